@@ -1,0 +1,52 @@
+// Who is near whom: for every target the particles in its support, as a compressed sparse row list.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "recon/core/error.hpp"
+#include "recon/points/view.hpp"
+
+namespace recon {
+
+using ParticleIndex = std::uint32_t;  // particles are numbered in 32 bits, positions in lists in 64
+
+// One result of a search: which particle, and the square of its distance (length^2).
+template <class Scalar>
+struct Neighbour {
+  ParticleIndex index;
+  Scalar distance2;
+  friend bool operator==(const Neighbour&, const Neighbour&) = default;
+};
+
+// Which periodic image of a particle is meant: its position plus shift[d] periods along each axis d.
+using ImageShift = std::array<std::int8_t, max_dimension>;
+
+// The neighbours of target t are indices[offsets[t]] .. indices[offsets[t + 1] - 1]. `shifts` is empty
+// in domains that are not periodic; else it has an entry per index. `support` holds the support radius
+// rho (a length) of every target.
+template <class Scalar>
+struct NeighbourList {
+  std::vector<std::int64_t> offsets{0};
+  std::vector<ParticleIndex> indices;
+  std::vector<ImageShift> shifts;
+  std::vector<Scalar> support;
+
+  std::size_t targets() const { return offsets.size() - 1; }
+  std::int64_t count(std::size_t target) const { return offsets[target + 1] - offsets[target]; }
+  std::span<const ParticleIndex> of(std::size_t target) const {
+    return {indices.data() + offsets[target], static_cast<std::size_t>(count(target))};
+  }
+
+  // Throws InvalidArgument unless the list is one for `target_count` targets among `particle_count`
+  // particles: offsets start at 0, never fall and end at the number of indices; every index is
+  // smaller than particle_count; shifts are absent or one per index; supports are positive and finite.
+  void validate(std::size_t target_count, std::size_t particle_count) const;
+};
+
+extern template struct NeighbourList<float>;
+extern template struct NeighbourList<double>;
+
+}  // namespace recon
