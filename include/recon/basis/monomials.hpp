@@ -1,0 +1,118 @@
+// Graded monomials: the polynomial basis of every fit.
+//
+// For a target x and support rho the basis is written in xi = (x_p - x) / rho, no unit, so that all
+// terms are of the order of one and nothing depends on where the origin is. The terms are ordered by degree,
+// and within a degree lexicographically; in 3-D
+//     1 | x y z | xx xy xz yy yz zz | ...
+// Degree 0 reproduces constants (Shepard), degree 1 linear fields, and so on; there are
+// C(degree + D, D) terms. At the target xi = 0, so that the value of the fit there is the coefficient of
+// 1, its gradient that of x, y, z divided by rho, and so on (the Taylor coefficients of the fit).
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+
+namespace recon {
+
+namespace detail {
+
+constexpr int term_count(int dimension, int degree) {
+  if (degree < 0) return 0;
+  long count = 1;
+  for (int i = 1; i <= dimension; ++i) count = count * (degree + i) / i;
+  return static_cast<int>(count);
+}
+
+}  // namespace detail
+
+// The number of monomials in `dimension` variables of degree at most `degree`: C(degree + dim, dim).
+constexpr int monomial_count(int dimension, int degree) { return detail::term_count(dimension, degree); }
+
+template <int D, int R>
+struct Monomials {
+  static_assert(D >= 1 && D <= 3 && R >= 0);
+  static constexpr int dimension = D;
+  static constexpr int degree = R;
+  static constexpr int size = detail::term_count(D, R);
+
+  // The first term of degree k; begin(R + 1) == size.
+  static constexpr int begin(int k) { return detail::term_count(D, k - 1); }
+
+  using Exponents = std::array<std::uint8_t, D>;
+  static constexpr std::array<Exponents, size> exponents = [] {
+    std::array<Exponents, size> all{};
+    int j = 0;
+    for (int k = 0; k <= R; ++k) {
+      // Exponents that sum to k, the first one falling from k to 0 and so on: lexicographic order.
+      Exponents e{};
+      e[0] = static_cast<std::uint8_t>(k);
+      for (;;) {
+        all[j++] = e;
+        int d = D - 2;  // the last axis but one that can give one away
+        while (d >= 0 && e[d] == 0) --d;
+        if (d < 0) break;
+        std::uint8_t rest = 0;
+        for (int i = d + 1; i < D; ++i) {
+          rest = static_cast<std::uint8_t>(rest + e[i]);
+          e[i] = 0;
+        }
+        --e[d];
+        e[d + 1] = static_cast<std::uint8_t>(rest + 1);
+      }
+    }
+    return all;
+  }();
+
+  // The place of the monomial with these exponents, or -1.
+  static constexpr int find(const Exponents& wanted) {
+    for (int j = 0; j < size; ++j)
+      if (exponents[j] == wanted) return j;
+    return -1;
+  }
+
+  // values[j] = xi^exponents[j] for all terms, each one product from an earlier term.
+  template <class T>
+  static constexpr void evaluate(const std::array<T, D>& xi, T* values) {
+    values[0] = T(1);
+    for (int j = 1; j < size; ++j) values[j] = values[steps[j].parent] * xi[steps[j].axis];
+  }
+
+  // Taylor coefficient number a (numbered as the terms of degree <= 2 are) of term j at xi = 0.
+  static constexpr double origin(int j, int a) { return j == a ? 1.0 : 0.0; }
+
+ private:
+  struct Step {
+    int parent = 0, axis = 0;
+  };
+  static constexpr std::array<Step, size> steps = [] {
+    std::array<Step, size> all{};
+    for (int j = 1; j < size; ++j) {
+      Exponents e = exponents[j];
+      int d = 0;
+      while (e[d] == 0) ++d;
+      --e[d];
+      all[j] = {find(e), d};
+    }
+    return all;
+  }();
+};
+
+// A basis of your own. Terms come in blocks of rising degree (begin), the first block being the
+// constant 1 alone; evaluate() gives all terms at xi; origin() their Taylor coefficients at xi = 0 up to
+// order 2, numbered 1 | x y z | xx xy ... (xx is half the second derivative, xy the mixed one).
+template <class B>
+concept Basis = requires(const std::array<double, B::dimension>& xi, double* values) {
+  { B::dimension } -> std::convertible_to<int>;
+  { B::degree } -> std::convertible_to<int>;
+  { B::size } -> std::convertible_to<int>;
+  { B::begin(0) } -> std::convertible_to<int>;
+  { B::origin(0, 0) } -> std::convertible_to<double>;
+  B::evaluate(xi, values);
+};
+
+static_assert(Basis<Monomials<3, 2>>);
+static_assert(Monomials<3, 4>::size == 35 && Monomials<2, 2>::begin(2) == 3);
+
+}  // namespace recon

@@ -1,0 +1,331 @@
+// Graded Gram-Schmidt: the improved moving least squares (IMLS) of Tran et al. (2019, eq. 17-19), made
+// robust to every degenerate neighbourhood.
+//
+// The terms of the basis, times sqrt(w_p), are orthonormalised degree by degree, the constant first; each is
+// projected twice ("twice is enough"), because one pass in rounding error loses the orthogonality that
+// everything else relies on. Where all terms are clearly independent this is all there is to do.
+//
+// Where they are not, the degrees are worked through again as whole blocks. Of the block of degree k, less its
+// part in the lower degrees, the singular directions are found, and a direction is dropped when
+//   - its independent part is at most `rank` (or the rounding of the coordinates) times its size: the
+//     particles do not resolve it, as y on a line of particles y = const; or
+//   - its leverage |P(0)| sqrt(sum w) / ||P|| exceeds `leverage`: the target lies so far outside the particles in
+//     this direction that the fit would amplify noise by that factor.
+// The rest goes on. So the constant is never lost (partition of unity survives anything), and a cloud on a line is still
+// reproduced to the asked degree along the line. Dropping singular directions instead of single monomials
+// makes the result independent of the choice of axes: the directions dropped in degree k are the leading
+// forms of the polynomials that vanish on the particles, and with the monomials scaled by
+// sqrt(k! / alpha!) what is kept is the complement in an inner product that rotations leave alone.
+// A linear direction that is dropped takes its products with it: the higher degrees are built
+// from the kept linear directions only.
+//
+// Cost: 4 n m^2 multiplications for n particles and m terms; the block path about three times that.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "recon/basis/monomials.hpp"
+#include "recon/local_solve/local_cloud.hpp"
+#include "recon/local_solve/orthonormal_fit.hpp"
+
+namespace recon {
+
+namespace detail {
+
+template <class B>
+inline constexpr bool is_monomials = false;
+template <int D, int R>
+inline constexpr bool is_monomials<Monomials<D, R>> = true;
+
+constexpr double factorial_of(int n) { return n < 2 ? 1.0 : n * factorial_of(n - 1); }
+
+// sqrt(k! / alpha!): with these factors the monomials of degree k turn orthogonally when the axes do.
+template <std::size_t D>
+double rotation_scale(const std::array<std::uint8_t, D>& exponents) {
+  double scale = 1;
+  int k = 0;
+  for (const int e : exponents) {
+    scale /= factorial_of(e);
+    k += e;
+  }
+  return std::sqrt(scale * factorial_of(k));
+}
+
+}  // namespace detail
+
+template <class T, Basis B>
+class GramSchmidt {
+ public:
+  static constexpr int D = B::dimension;
+
+  explicit GramSchmidt(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
+
+  // Orthonormalises the basis on the cloud. Never fails: what could not be kept is in the report.
+  FitReport fit(const LocalCloud<T, D>& cloud) {
+    FitReport report;
+    report.solver = Solver::gram_schmidt;
+    report.neighbours = static_cast<std::uint32_t>(cloud.size);
+    fit_.start(cloud, B::size);
+    if (cloud.size == 0) return report;
+    const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
+    if (!fit_regular(cloud, thresholds, report)) fit_blocks(cloud, thresholds, report);
+    report.amplification = static_cast<float>(std::sqrt(weight_sum_ * fit_.christoffel()));
+    return report;
+  }
+
+  const OrthonormalFit<T, D>& result() const { return fit_; }
+
+  void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
+    fit_.shape_functions(cloud, out);
+  }
+
+ private:
+  using Jet = typename OrthonormalFit<T, D>::Jet;
+
+  static T dot(const T* a, const T* b, int n) {
+    T sum = T(0);
+    for (int p = 0; p < n; ++p) sum += a[p] * b[p];
+    return sum;
+  }
+
+  // The plain graded algorithm. False where a term is not clearly independent, or the whole fit amplifies
+  // more than a single direction may: then the blocks need a closer look.
+  bool fit_regular(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds, FitReport& report) {
+    const int n = cloud.size;
+    const T* root = fit_.root_weights();
+    weight_sum_ = std::accumulate(cloud.w, cloud.w + n, T(0));
+    if (n < B::size) return false;
+    const T regular = std::max(std::sqrt(std::numeric_limits<T>::epsilon()), T(100) * thresholds.drop * thresholds.drop);
+    const T shortest = regular * weight_sum_;  // of the linear terms, which have a size of their own
+
+    terms_.resize(static_cast<std::size_t>(B::size) * n);
+    for (int p = 0; p < n; ++p) {
+      std::array<T, B::size> values;
+      B::evaluate(cloud.at(p), values.data());
+      for (int j = 0; j < B::size; ++j) terms_[static_cast<std::size_t>(j) * n + p] = values[j];
+    }
+    T smallest = T(1);
+    for (int j = 0; j < B::size; ++j) {
+      T* column = fit_.next_column();
+      Jet& jet = fit_.next_jet();
+      const T* term = terms_.data() + static_cast<std::size_t>(j) * n;
+      for (int p = 0; p < n; ++p) column[p] = root[p] * term[p];
+      for (int a = 0; a < fit_.jets; ++a) jet[a] = T(B::origin(j, a));
+      const T whole = dot(column, column, n);
+      fit_.project_out(column, jet, j);
+      fit_.project_out(column, jet, j);
+      const T part = dot(column, column, n);
+      if (!(part > regular * whole) || (B::degree >= 1 && j < B::begin(2) && !(part > shortest))) return false;
+      smallest = std::min(smallest, part / whole);
+      scale(column, jet, T(1) / std::sqrt(part), n);
+      fit_.keep();
+    }
+    if (!(weight_sum_ * fit_.christoffel() <= T(tolerances_.leverage * tolerances_.leverage))) return false;
+    report.rcond = static_cast<float>(smallest);
+    detail::report_full<B>(report);
+    return true;
+  }
+
+  // Degree by degree, each as a block of singular directions.
+  void fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds, FitReport& report) {
+    const int n = cloud.size;
+    const T* root = fit_.root_weights();
+    const T root_sum = std::sqrt(weight_sum_);
+    fit_.clear();
+    report.kept = {};
+
+    T* constant = fit_.next_column();
+    Jet& constant_jet = fit_.next_jet();
+    for (int p = 0; p < n; ++p) constant[p] = root[p];
+    constant_jet.fill(T(0));
+    constant_jet[0] = T(1);
+    scale(constant, constant_jet, T(1) / root_sum, n);
+    fit_.keep();
+    report.kept[0] = 1;
+
+    T smallest = T(1), drop = thresholds.drop;
+    T floor = T(64) * cloud.noise * root_sum;  // what rounding of the coordinates alone amounts to
+    for (int k = 1; k <= B::degree && fit_.rank() < n; ++k) {
+      const int columns = fill_block(cloud, k, report.kept[1]);
+      const int lower = fit_.rank();
+      removed_.assign(static_cast<std::size_t>(columns) * B::size, T(0));
+      for (int c = 0; c < columns; ++c)
+        for (int pass = 0; pass < 2; ++pass)
+          fit_.project_out(block_column(c, n), block_jets_[c], lower, removed_.data() + c * B::size);
+      make_orthogonal(columns, lower, n);
+
+      std::array<int, B::size> order;
+      std::array<T, B::size> size;
+      for (int c = 0; c < columns; ++c) {
+        order[c] = c;
+        size[c] = std::sqrt(dot(block_column(c, n), block_column(c, n), n));
+      }
+      std::stable_sort(order.begin(), order.begin() + columns, [&](int a, int b) { return size[a] > size[b]; });
+      T shortest = size[order[0]];
+      for (int i = 0; i < columns && fit_.rank() < n; ++i) {
+        const int c = order[i];
+        const T* removed = removed_.data() + c * B::size;
+        const T whole = std::sqrt(size[c] * size[c] + dot(removed, removed, lower));
+        const bool resolved = size[c] > drop * whole && size[c] > floor;
+        const bool inside = std::abs(block_jets_[c][0]) * root_sum <= T(tolerances_.leverage) * size[c];
+        if (!resolved || !inside) continue;
+        if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
+        ++report.kept[k];
+        shortest = std::min(shortest, size[c]);
+        smallest = std::min(smallest, (size[c] / whole) * (size[c] / whole));
+      }
+      if (k == 1) {
+        if (report.kept[1] == 0) break;
+        // In the higher degrees rounding counts relative to the thinnest kept extent of the cloud, and
+        // sizes are powers of that extent: only the relative test makes sense.
+        drop = std::max(drop, T(64) * cloud.noise * root_sum / shortest);
+        floor = T(0);
+      }
+    }
+    report.rcond = static_cast<float>(smallest);
+    detail::finish_report<B>(report);
+  }
+
+  T* block_column(int c, int n) { return block_.data() + static_cast<std::size_t>(c) * n; }
+
+  // The columns sqrt(w_p) m(xi_p) of degree k with their jets; for monomials of degree 2 and more in the
+  // coordinates along the kept linear directions. Returns how many there are.
+  int fill_block(const LocalCloud<T, D>& cloud, int k, int linear_directions) {
+    const int n = cloud.size;
+    const T* root = fit_.root_weights();
+    const int begin = B::begin(k), end = B::begin(k + 1);
+    block_.resize(static_cast<std::size_t>(end - begin) * n);
+    block_jets_.resize(end - begin);
+
+    if constexpr (detail::is_monomials<B>) {
+      // Rows of `axes`: the identity for the linear block, then the kept directions (the linear
+      // coefficients in the jets of the columns that the linear block left behind).
+      std::array<std::array<T, D>, D> axes{};
+      int variables = D;
+      if (k == 1) {
+        for (int d = 0; d < D; ++d) axes[d][d] = T(1);
+      } else {
+        variables = linear_directions;
+        for (int i = 0; i < variables; ++i) {
+          T norm = T(0);
+          for (int d = 0; d < D; ++d) norm += fit_.jet(1 + i)[1 + d] * fit_.jet(1 + i)[1 + d];
+          for (int d = 0; d < D; ++d) axes[i][d] = fit_.jet(1 + i)[1 + d] / std::sqrt(norm);
+        }
+      }
+      int columns = 0;
+      std::array<int, B::size> chosen;
+      for (int j = begin; j < end; ++j) {
+        bool uses_kept = true;
+        for (int d = variables; d < D; ++d) uses_kept = uses_kept && B::exponents[j][d] == 0;
+        if (!uses_kept) continue;
+        chosen[columns] = j;
+        block_jets_[columns++] = rotated_jet(B::exponents[j], k, axes);
+      }
+      for (int p = 0; p < n; ++p) {
+        const std::array<T, D> xi = cloud.at(p);
+        std::array<T, D> along{};
+        for (int i = 0; i < variables; ++i)
+          for (int d = 0; d < D; ++d) along[i] += axes[i][d] * xi[d];
+        std::array<T, B::size> values;
+        B::evaluate(along, values.data());
+        for (int c = 0; c < columns; ++c) block_column(c, n)[p] = root[p] * values[chosen[c]];
+      }
+      for (int c = 0; c < columns; ++c)
+        scale(block_column(c, n), block_jets_[c], T(detail::rotation_scale(B::exponents[chosen[c]])), n);
+      return columns;
+    } else {
+      for (int p = 0; p < n; ++p) {
+        std::array<T, B::size> values;
+        B::evaluate(cloud.at(p), values.data());
+        for (int j = begin; j < end; ++j) block_column(j - begin, n)[p] = root[p] * values[j];
+      }
+      for (int j = begin; j < end; ++j)
+        for (int a = 0; a < fit_.jets; ++a) block_jets_[j - begin][a] = T(B::origin(j, a));
+      return end - begin;
+    }
+  }
+
+  // Taylor coefficients at the target of the monomial with these exponents in the rotated coordinates.
+  template <class Exponents>
+  static Jet rotated_jet(const Exponents& exponents, int k, const std::array<std::array<T, D>, D>& axes) {
+    Jet jet{};
+    std::array<int, 2> factor{};  // the rotated coordinates that are multiplied, for degrees 1 and 2
+    int factors = 0;
+    for (int d = 0; d < D; ++d)
+      for (int e = 0; e < exponents[d] && factors < 2; ++e) factor[factors++] = d;
+    if (k == 1)
+      for (int d = 0; d < D; ++d) jet[1 + d] = axes[factor[0]][d];
+    if (k == 2) {
+      int entry = 1 + D;
+      for (int a = 0; a < D; ++a)
+        for (int b = a; b < D; ++b, ++entry) {
+          jet[entry] = axes[factor[0]][a] * axes[factor[1]][b];
+          if (a != b) jet[entry] += axes[factor[0]][b] * axes[factor[1]][a];
+        }
+    }
+    return jet;
+  }
+
+  // One-sided Jacobi (Hestenes 1958): turns pairs of block columns until all are orthogonal; they are then the
+  // singular directions times their singular values. Jets and removed parts turn along.
+  void make_orthogonal(int columns, int lower, int n) {
+    const T tolerance = T(4) * std::numeric_limits<T>::epsilon();
+    for (int sweep = 0; sweep < 30; ++sweep) {
+      bool done = true;
+      for (int a = 0; a < columns; ++a)
+        for (int b = a + 1; b < columns; ++b) {
+          T *x = block_column(a, n), *y = block_column(b, n);
+          const T xx = dot(x, x, n), yy = dot(y, y, n), xy = dot(x, y, n);
+          if (!(std::abs(xy) > tolerance * std::sqrt(xx) * std::sqrt(yy))) continue;
+          done = false;
+          const T zeta = (yy - xx) / (T(2) * xy);
+          const T t = (zeta >= T(0) ? T(1) : T(-1)) / (std::abs(zeta) + std::sqrt(T(1) + zeta * zeta));
+          const T c = T(1) / std::sqrt(T(1) + t * t), s = c * t;
+          const auto turn = [c, s](T* u, T* v, int count) {
+            for (int i = 0; i < count; ++i) {
+              const T first = u[i];
+              u[i] = c * first - s * v[i];
+              v[i] = s * first + c * v[i];
+            }
+          };
+          turn(x, y, n);
+          turn(block_jets_[a].data(), block_jets_[b].data(), fit_.jets);
+          turn(removed_.data() + a * B::size, removed_.data() + b * B::size, lower);
+        }
+      if (done) return;
+    }
+  }
+
+  // Appends a direction of the given size, cleaned once more against all that is kept. False where nothing is left.
+  bool keep_direction(const T* direction, Jet direction_jet, T size, int n) {
+    T* column = fit_.next_column();
+    std::copy(direction, direction + n, column);
+    scale(column, direction_jet, T(1) / size, n);
+    fit_.project_out(column, direction_jet, fit_.rank());
+    const T left = dot(column, column, n);
+    if (!(left > T(0.25))) return false;
+    scale(column, direction_jet, T(1) / std::sqrt(left), n);
+    fit_.next_jet() = direction_jet;
+    fit_.keep();
+    return true;
+  }
+
+  static void scale(T* column, Jet& jet, T factor, int n) {
+    for (int p = 0; p < n; ++p) column[p] *= factor;
+    for (T& coefficient : jet) coefficient *= factor;
+  }
+
+  FitTolerances tolerances_;
+  OrthonormalFit<T, D> fit_;
+  T weight_sum_ = T(0);
+  std::vector<T> terms_;    // the basis at the particles, column-wise
+  std::vector<T> block_;    // one degree's columns in the block path
+  std::vector<T> removed_;  // their parts in the lower degrees, B::size numbers per column
+  std::vector<Jet> block_jets_;
+};
+
+}  // namespace recon

@@ -1,0 +1,96 @@
+// Reference solvers on Eigen: pivoted Householder QR and SVD of the weighted basis A = diag(sqrt w) m.
+//
+// Slow and simple, to check the others with and to compare cost against. With A P = Q R the orthonormal columns
+// are those of Q with jets R^-T P^T origin; with A = U S V^T those of U with jets S^-1 V^T origin. Both decide
+// rank by magnitude over all terms at once, which can lose even the constant; so a target that they find
+// deficient is handed over to Gram-Schmidt like an ill-conditioned moment matrix.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "recon/basis/monomials.hpp"
+#include "recon/local_solve/local_cloud.hpp"
+#include "recon/local_solve/orthonormal_fit.hpp"
+
+namespace recon {
+
+template <class T, Basis B>
+class ReferenceFit {
+ public:
+  static constexpr int D = B::dimension;
+
+  ReferenceFit(Solver solver, FitTolerances tolerances = {}) : solver_(solver), tolerances_(tolerances) {}
+
+  // False where the target must be handed over; the report is then unfinished.
+  bool fit(const LocalCloud<T, D>& cloud, FitReport& report) {
+    report = {};
+    report.solver = solver_;
+    report.neighbours = static_cast<std::uint32_t>(cloud.size);
+    fit_.start(cloud, B::size);
+    if (cloud.size < B::size) return false;
+    const int n = cloud.size;
+    using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+    Matrix a(n, B::size);
+    T weight_sum = T(0);
+    for (int p = 0; p < n; ++p) {
+      std::array<T, B::size> values;
+      B::evaluate(cloud.at(p), values.data());
+      for (int j = 0; j < B::size; ++j) a(p, j) = fit_.root_weights()[p] * values[j];
+      weight_sum += cloud.w[p];
+    }
+    // Columns of one length, as in the moment matrix scaled to unit diagonal.
+    const Eigen::Matrix<T, 1, Eigen::Dynamic> length = a.colwise().norm();
+    const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
+    const T shortest = T(100) * thresholds.drop * std::sqrt(weight_sum);
+    for (int j = 0; j < B::size; ++j)
+      if (!(length[j] > T(0)) || (B::degree >= 1 && j < B::begin(2) && !(length[j] > shortest))) return false;
+    for (int j = 0; j < B::size; ++j) a.col(j) /= length[j];
+    Matrix origin(B::size, detail::jet_size(D));
+    for (int j = 0; j < B::size; ++j)
+      for (int c = 0; c < detail::jet_size(D); ++c) origin(j, c) = T(B::origin(j, c)) / length[j];
+
+    Matrix q, jets;
+    T smallest;  // the smallest singular value or diagonal entry of R, relative to the largest
+    if (solver_ == Solver::qr) {
+      const Eigen::ColPivHouseholderQR<Matrix> qr(a);
+      const Matrix r = qr.matrixR().topRows(B::size);
+      smallest = std::abs(r(B::size - 1, B::size - 1) / r(0, 0));
+      q = qr.householderQ() * Matrix::Identity(n, B::size);
+      jets = r.template triangularView<Eigen::Upper>().transpose().solve(
+          Matrix(qr.colsPermutation().transpose() * origin));
+    } else {
+      const Eigen::JacobiSVD<Matrix> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
+      const auto& s = svd.singularValues();
+      smallest = s[B::size - 1] / s[0];
+      q = svd.matrixU();
+      jets = s.cwiseInverse().asDiagonal() * (svd.matrixV().transpose() * origin);
+    }
+    if (!(smallest > T(100) * thresholds.drop)) return false;
+    for (int j = 0; j < B::size; ++j) {
+      std::copy(q.col(j).data(), q.col(j).data() + n, fit_.next_column());
+      for (int c = 0; c < detail::jet_size(D); ++c) fit_.next_jet()[c] = jets(j, c);
+      fit_.keep();
+    }
+    const T amplification2 = weight_sum * fit_.christoffel();
+    if (!(amplification2 <= T(tolerances_.leverage * tolerances_.leverage))) return false;
+    report.rcond = static_cast<float>(smallest * smallest);
+    report.amplification = static_cast<float>(std::sqrt(amplification2));
+    detail::report_full<B>(report);
+    return true;
+  }
+
+  const OrthonormalFit<T, D>& result() const { return fit_; }
+
+  void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
+    fit_.shape_functions(cloud, out);
+  }
+
+ private:
+  Solver solver_;
+  FitTolerances tolerances_;
+  OrthonormalFit<T, D> fit_;
+};
+
+}  // namespace recon

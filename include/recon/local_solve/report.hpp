@@ -1,0 +1,56 @@
+// What became of the fit at one target: how many particles, which terms, how well conditioned.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace recon {
+
+// How the local least-squares problem is solved.
+enum class Solver : std::uint8_t {
+  moment_matrix,  // MLS: LDLT of the moment matrix; hands ill-conditioned targets to gram_schmidt
+  gram_schmidt,   // IMLS: graded Gram-Schmidt, robust to any degeneracy
+  qr,             // reference: pivoted Householder QR of the weighted basis
+  svd             // reference: singular value decomposition of the weighted basis
+};
+
+enum class FitStatus : std::uint8_t {
+  full,       // all terms up to the asked degree
+  reduced,    // some terms dropped: `degree` says what is still reproduced
+  nearest,    // no particle in the support: the value of the nearest one (if the caller chose so)
+  no_support  // no particle in the support: no value
+};
+
+constexpr std::string_view name_of(Solver solver) {
+  constexpr std::array<std::string_view, 4> names{"moment_matrix", "gram_schmidt", "qr", "svd"};
+  return names[static_cast<std::size_t>(solver)];
+}
+constexpr std::string_view name_of(FitStatus status) {
+  constexpr std::array<std::string_view, 4> names{"full", "reduced", "nearest", "no_support"};
+  return names[static_cast<std::size_t>(status)];
+}
+
+struct FitReport {
+  static constexpr int max_degree = 8;
+
+  std::uint32_t neighbours = 0;  // particles with positive weight
+  std::uint8_t rank = 0;         // independent terms kept
+  std::int8_t degree = -1;       // all polynomials up to this degree are reproduced; -1: none
+  FitStatus status = FitStatus::no_support;
+  Solver solver = Solver::gram_schmidt;  // the one that gave the result
+  // Independent directions kept within each degree: {1, 1, 0} in 2-D is what a cloud on a line gives.
+  // kept[1] is the number of directions in which a gradient is resolved.
+  std::array<std::uint8_t, max_degree + 1> kept{};
+  // Smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with p_j the part
+  // of term q_j that is independent of the terms before it. An upper bound of the reciprocal
+  // condition number; 1 for orthogonal terms, 0 where there is no fit.
+  float rcond = 0;
+  // A bound of sum_p |phi_p|, the factor by which the fit can amplify errors in the data:
+  // sqrt(sum_p w_p * e^T M^-1 e). 1 for Shepard; it grows as the target leaves the particles.
+  float amplification = 0;
+
+  friend bool operator==(const FitReport&, const FitReport&) = default;
+};
+
+}  // namespace recon

@@ -1,0 +1,58 @@
+// Everything one can choose about a reconstruction, with defaults that work.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "recon/local_solve/local_cloud.hpp"
+#include "recon/neighbourhood/find_neighbours.hpp"
+#include "recon/points/domain.hpp"
+#include "recon/weights/weight.hpp"
+
+namespace recon {
+
+// What a target without any particle in its support gets.
+enum class Unsupported {
+  fill,    // apply() writes Options::fill_value there
+  nearest  // the value of the nearest particle (of the smallest index, if several are)
+};
+
+// Growing supports: a target that does not reach the asked degree is tried again with its support (for
+// nearest neighbours: their number) enlarged by `factor`, up to `steps` times. One that never reaches
+// it keeps its first support, so that a cloud on a line is not smoothed for nothing.
+struct Growth {
+  int steps = 0;
+  double factor = 1.25;
+};
+
+struct Options {
+  // Polynomials of degree up to this are reproduced: 0 (Shepard) to 4.
+  int degree = 1;
+  // w(q), q = |x - x_p| / rho; an enumerator or any object that is a RadialWeight.
+  WeightFunction weight = Weight::cubic_b_spline;
+  WeightForm form = WeightForm::radial;
+  // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The default is
+  // the nearest twice as many particles as there are basis terms, plus one.
+  NeighbourRule neighbours = Nearest{0};
+  Solver solver = Solver::gram_schmidt;
+
+  // Anisotropic supports: along axis d the support is rho * stretch[d] (all > 0, no unit).
+  std::array<double, max_dimension> stretch{1, 1, 1};
+  PeriodicDomain<double> domain{};
+  SearchMethod search = SearchMethod::automatic;
+  // visible(target, particle) == false hides a particle from a target. Called concurrently.
+  Visibility visible{};
+
+  Growth grow{};
+  Unsupported unsupported = Unsupported::fill;
+  double fill_value = std::numeric_limits<double>::quiet_NaN();
+
+  FitTolerances tolerances{};
+  int threads = 0;  // 0: default_threads(); the results do not depend on it
+
+  // Throws InvalidArgument for a value outside its range. Rules about neighbours are checked when
+  // they are searched.
+  void validate() const;
+};
+
+}  // namespace recon

@@ -1,0 +1,66 @@
+// Shape functions of a range of targets: the compiled inner part of every reconstruction.
+//
+// Dimension, degree and solver are template parameters inside; here they are values. One call
+// evaluates many targets, so the choice is made outside the loops. For the formulas see
+// local_solve/local_cloud.hpp; for weights weights/weight.hpp.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "recon/local_solve/local_cloud.hpp"
+#include "recon/neighbourhood/neighbour_list.hpp"
+#include "recon/points/point_cloud.hpp"
+#include "recon/weights/weight.hpp"
+
+namespace recon {
+
+struct ShapeChoice {
+  int degree = 1;
+  WeightFunction weight = Weight::cubic_b_spline;
+  WeightForm form = WeightForm::radial;
+  Solver solver = Solver::gram_schmidt;
+  FitTolerances tolerances{};
+};
+
+template <class Scalar>
+struct ShapeProblem {
+  const PointCloud<Scalar>& particles;
+  const PointCloud<Scalar>& targets;
+  const NeighbourList<Scalar>& neighbours;
+  const PeriodicDomain<Scalar>& domain;
+  // 0: supports stand still while a target moves. Else rho = support_factor * distance to the farthest
+  // neighbour, and exact gradients follow it.
+  Scalar support_factor = 0;
+  // Derivatives are multiplied by this per axis: 1 / stretch, where coordinates have been divided by stretch.
+  std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
+};
+
+// Output arrays, null where not wanted. Entry e of the neighbour list has value[e], gradient[e * D + d] and
+// hessian[e * D (D + 1) / 2 + i] (xx, xy, xz, yy, yz, zz as far as they exist); target t has report[t].
+template <class Scalar>
+struct ShapeRows {
+  Scalar* value = nullptr;
+  Scalar* gradient = nullptr;
+  Scalar* hessian = nullptr;  // diffuse
+  Derivative kind = Derivative::exact;
+  FitReport* report = nullptr;
+};
+
+template <class Scalar>
+class ShapeKernel {
+ public:
+  virtual ~ShapeKernel() = default;
+  // Targets begin <= t < end. Thread-safe; no allocation per target.
+  virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
+                        const ShapeRows<Scalar>& rows) const = 0;
+};
+
+// Throws InvalidArgument for a dimension outside 1..3 or a degree outside 0..4.
+template <class Scalar>
+std::unique_ptr<ShapeKernel<Scalar>> make_shape_kernel(int dimension, const ShapeChoice& choice);
+
+extern template std::unique_ptr<ShapeKernel<float>> make_shape_kernel(int, const ShapeChoice&);
+extern template std::unique_ptr<ShapeKernel<double>> make_shape_kernel(int, const ShapeChoice&);
+
+}  // namespace recon

@@ -1,0 +1,224 @@
+// Weight functions: how much a particle counts at a distance.
+//
+// A weight is a function w(q) of q = |x - x_p| / rho, with rho the support radius (a length) and q
+// without unit; w > 0 for q < 1 and w = 0 for q >= 1. It multiplies the squared residual of the fit:
+//     minimise  sum_p w(q_p) (p(x_p) - u_p)^2 .
+// Its scale does not matter to a fit. Radial weights use one q; a tensor-product weight is the product of
+// one factor w(|x_d - x_pd| / rho) per axis, with the support a cube.
+//
+// Written here, each a small struct with operator() and derivative() = dw/dq for any arithmetic type:
+//   BSpline<P>, P = 1..5    centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h the cardinal
+//                           spline has rho = (P + 1) h / 2: linear h, quadratic 1.5 h, cubic 2 h.
+//                           P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al. (2019) eq. 10.
+//   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions (Wendland 1995).
+//   Gaussian                exp(-(q/c)^2), lowered so that it is continuous at q = 1
+//                           (Belytschko, Lu, Gu 1994), c = shape / rho.
+//   InverseDistance         (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): nearly interpolating.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace recon {
+
+// A weight of your own: any copyable type with these two. It is called with 0 <= q < 1 only, and must
+// return finite numbers, w(q) >= 0; it is called concurrently.
+template <class W>
+concept RadialWeight = std::copy_constructible<W> && requires(const W& w, double q) {
+  { w(q) } -> std::convertible_to<double>;             // q = |x - x_p| / rho, no unit
+  { w.derivative(q) } -> std::convertible_to<double>;  // dw/dq
+};
+
+namespace detail {
+
+template <int N, class T>
+constexpr T power(T x) {
+  if constexpr (N == 0) {
+    return T(1);
+  } else if constexpr (N % 2 == 0) {
+    const T half = power<N / 2>(x);
+    return half * half;
+  } else {
+    return x * power<N - 1>(x);
+  }
+}
+
+constexpr double binomial(int n, int k) {
+  double value = 1;
+  for (int i = 1; i <= k; ++i) value = value * (n - k + i) / i;
+  return value;
+}
+
+constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
+
+}  // namespace detail
+
+// With s = (1 - q) (P + 1) / 2, the distance to the end of the support in units of h:
+//     w = 1/P! sum_k (-1)^k C(P + 1, k) max(s - k, 0)^P ,  k <= (P + 1) / 2.
+// Free of branches, and exact to the last digits where w becomes small.
+template <int P>
+struct BSpline {
+  static_assert(P >= 1 && P <= 5);
+  static constexpr int degree = P;
+
+  template <class T>
+  constexpr T operator()(T q) const {
+    return sum<P>((T(1) - q) * T((P + 1) / 2.0)) * T(1 / detail::factorial(P));
+  }
+  template <class T>
+  constexpr T derivative(T q) const {
+    return sum<P - 1>((T(1) - q) * T((P + 1) / 2.0)) *
+           T(-(P + 1) / 2.0 / detail::factorial(P - 1));
+  }
+
+ private:
+  // The alternating sum of powers N of the distances to the knots; q >= 1 gives s <= 0 and so 0.
+  template <int N, class T>
+  static constexpr T sum(T s) {
+    using std::max;
+    T total = T(0);
+    for (int k = 0; 2 * k < P + 1; ++k) {
+      const T coefficient = T((k % 2 ? -1 : 1) * detail::binomial(P + 1, k));
+      if constexpr (N == 0) {
+        total = s - T(k) > T(0) ? T(total + coefficient) : total;
+      } else {
+        total = total + coefficient * detail::power<N>(T(max(T(s - T(k)), T(0))));
+      }
+    }
+    return total;
+  }
+};
+
+template <int K>
+struct Wendland {
+  static_assert(K == 0 || K == 2 || K == 4 || K == 6);
+
+  template <class T>
+  constexpr T operator()(T q) const {
+    using std::max;
+    const T r = max(T(T(1) - q), T(0));
+    if constexpr (K == 0) return r * r;
+    if constexpr (K == 2) return detail::power<4>(r) * (T(4) * q + T(1));
+    if constexpr (K == 4) return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * T(1.0 / 3);
+    if constexpr (K == 6)
+      return detail::power<8>(r) * (((T(32) * q + T(25)) * q + T(8)) * q + T(1));
+  }
+  template <class T>
+  constexpr T derivative(T q) const {
+    using std::max;
+    const T r = max(T(T(1) - q), T(0));
+    if constexpr (K == 0) return T(-2) * r;
+    if constexpr (K == 2) return T(-20) * q * detail::power<3>(r);
+    if constexpr (K == 4) return T(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
+    if constexpr (K == 6)
+      return T(-22) * q * ((T(16) * q + T(7)) * q + T(1)) * detail::power<7>(r);
+  }
+};
+
+struct Gaussian {
+  double shape = 0.4;  // c: the width as a fraction of the support
+
+  template <class T>
+  T operator()(T q) const {
+    using std::exp;
+    const T end = exp(T(-1 / (shape * shape)));
+    return q < T(1) ? T((exp(T(-(q * q) * T(1 / (shape * shape)))) - end) / (T(1) - end)) : T(0);
+  }
+  template <class T>
+  T derivative(T q) const {
+    using std::exp;
+    const T end = exp(T(-1 / (shape * shape)));
+    const T slope = T(-2 / (shape * shape)) * q;
+    return q < T(1) ? T(slope * exp(T(-(q * q) * T(1 / (shape * shape)))) / (T(1) - end)) : T(0);
+  }
+};
+
+struct InverseDistance {
+  double softening = 1e-2;  // e: keeps w finite where a particle sits on the target
+
+  template <class T>
+  constexpr T operator()(T q) const {
+    using std::max;
+    const T r = max(T(T(1) - q), T(0));
+    return r * r / (q * q + T(softening * softening));
+  }
+  template <class T>
+  constexpr T derivative(T q) const {
+    using std::max;
+    const T r = max(T(T(1) - q), T(0));
+    const T d = q * q + T(softening * softening);
+    return (T(-2) * r * d - T(2) * q * r * r) / (d * d);
+  }
+};
+
+static_assert(RadialWeight<BSpline<3>> && RadialWeight<Wendland<2>> && RadialWeight<Gaussian> &&
+              RadialWeight<InverseDistance>);
+
+// The weights by name, for a choice made while the program runs.
+enum class Weight {
+  linear_b_spline,
+  quadratic_b_spline,
+  cubic_b_spline,
+  quartic_b_spline,
+  quintic_b_spline,
+  wendland_c0,
+  wendland_c2,
+  wendland_c4,
+  wendland_c6,
+  gaussian,
+  inverse_distance
+};
+
+enum class WeightForm { radial, tensor_product };
+
+// All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic", "wendland_c0",
+// ..., "gaussian", "inverse_distance".
+std::span<const Weight> all_weights();
+std::string_view name_of(Weight weight);
+// Throws InvalidArgument with the nearest valid names for an unknown one.
+Weight weight_named(std::string_view name);
+
+// Any weight, chosen at run time: one of the enumerators, or an object of your own that is a RadialWeight.
+// It is evaluated for many q in one call, so the choice costs nothing inside a loop.
+class WeightFunction {
+ public:
+  WeightFunction(Weight weight = Weight::cubic_b_spline);
+
+  template <RadialWeight W>
+  WeightFunction(W weight) : state_(std::make_shared<const W>(std::move(weight))) {
+    evaluate_double_ = &run<W, double>;
+    evaluate_float_ = &run<W, float>;
+  }
+
+  // w[i] = w(q[i]) and, unless `slope` is null, slope[i] = w'(q[i]), for i < n; 0 where q[i] >= 1.
+  void evaluate(const double* q, double* w, double* slope, std::size_t n) const {
+    evaluate_double_(state_.get(), q, w, slope, n);
+  }
+  void evaluate(const float* q, float* w, float* slope, std::size_t n) const {
+    evaluate_float_(state_.get(), q, w, slope, n);
+  }
+
+ private:
+  template <class W, class Scalar>
+  static void run(const void* state, const Scalar* q, Scalar* w, Scalar* slope, std::size_t n) {
+    const W& weight = *static_cast<const W*>(state);
+    for (std::size_t i = 0; i < n; ++i)
+      w[i] = q[i] < Scalar(1) ? static_cast<Scalar>(weight(q[i])) : Scalar(0);
+    if (!slope) return;
+    for (std::size_t i = 0; i < n; ++i)
+      slope[i] = q[i] < Scalar(1) ? static_cast<Scalar>(weight.derivative(q[i])) : Scalar(0);
+  }
+
+  std::shared_ptr<const void> state_;
+  void (*evaluate_double_)(const void*, const double*, double*, double*, std::size_t);
+  void (*evaluate_float_)(const void*, const float*, float*, float*, std::size_t);
+};
+
+}  // namespace recon
