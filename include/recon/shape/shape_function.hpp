@@ -1,0 +1,136 @@
+// Shape functions at one point, with a weight, basis, search and scalar of your own.
+//
+// This is the template interface beneath reconstruct(): every part is a type that you may supply.
+//
+//   recon::ShapeEvaluator<recon::Monomials<2, 1>, MyWeight> shapes(MyWeight{}, recon::Solver::gram_schmidt);
+//   recon::KdTree<double, 2> search(cloud);
+//   const auto& shape = shapes.at(x, rho, search, [&](auto p) { return position[p]; });
+//   // sum over i of shape.value[i] * u[shape.neighbours[i]] is the fit at x
+//
+// Concepts: RadialWeight (weights/weight.hpp), Basis (basis/monomials.hpp), NeighbourSearch
+// (neighbourhood/search.hpp); the scalar T is any type with arithmetic, comparison and std::sqrt, for example long
+// double. A minimal model of each stands in the documentation and compiles in the tests.
+//
+// Formulas in local_solve/local_cloud.hpp. An evaluator keeps its arrays: one per thread, no allocation once warm.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "recon/local_solve/local_solve.hpp"
+#include "recon/neighbourhood/search.hpp"
+#include "recon/shape/stencil.hpp"
+
+namespace recon {
+
+// What stands at one point x: phi_p(x) and its derivatives for the particles p near it.
+template <class T, int D>
+struct ShapeFunction {
+  std::vector<ParticleIndex> neighbours;
+  std::vector<T> value;                                      // phi_p, no unit
+  std::vector<std::array<T, D>> gradient;                    // 1/length
+  std::vector<std::array<T, D*(D + 1) / 2>> hessian;         // 1/length^2, diffuse: xx, xy, xz, yy, yz, zz
+  FitReport report;
+};
+
+template <Basis B, class W, class T = double>
+class ShapeEvaluator {
+ public:
+  static constexpr int D = B::dimension;
+  using Point = std::array<T, D>;
+
+  explicit ShapeEvaluator(W weight, Solver solver = Solver::gram_schmidt, WeightForm form = WeightForm::radial,
+                          FitTolerances tolerances = {})
+      : weights_{std::move(weight)}, form_(form), solve_(solver, tolerances) {}
+
+  // Among the given neighbours; position(p) is the Point of particle p. Particles outside the support of radius rho
+  // > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho or x.
+  template <class Position>
+    requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
+  const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
+                                Position&& position, Derivative kind = Derivative::exact) {
+    using std::isfinite;
+    require(rho > T(0) && isfinite(rho), "rho", rho, "must be positive and finite");
+    for (const T c : x) require(isfinite(c), "coordinate of x", c, "must be finite");
+    const int count = static_cast<int>(neighbours.size());
+    stencil_.start(x, rho, count);
+    positions_.clear();
+    for (const ParticleIndex p : neighbours) positions_.push_back(position(p));
+    for (int d = 0; d < D; ++d) stencil_.set_offsets(d, [&](int p) { return positions_[p][d] - x[d]; });
+    stencil_.weigh(weights_, form_, true);
+
+    const LocalCloud<T, D> cloud = stencil_.cloud();
+    shape_.neighbours.assign(neighbours.begin(), neighbours.end());
+    shape_.value.assign(count, T(0));
+    shape_.gradient.assign(count, {});
+    shape_.hessian.assign(count, {});
+    shape_.report = solve_.fit(cloud);
+    if (shape_.report.rank == 0) return shape_;
+
+    const int n = cloud.size;
+    arrays_.resize(static_cast<std::size_t>(n) * detail::jet_size(D));
+    ShapeArrays<T, D> out;
+    out.kind = kind;
+    out.value = arrays_.data();
+    for (int d = 0; d < D; ++d) out.gradient[d] = arrays_.data() + (1 + d) * n;
+    for (int i = 0; i < D * (D + 1) / 2; ++i) out.hessian[i] = arrays_.data() + (1 + D + i) * n;
+    solve_.shape_functions(cloud, out);
+    for (int p = 0; p < n; ++p) {
+      const int at = stencil_.place(p);
+      shape_.value[at] = out.value[p];
+      for (int d = 0; d < D; ++d) shape_.gradient[at][d] = out.gradient[d][p];
+      for (int i = 0; i < D * (D + 1) / 2; ++i) shape_.hessian[at][i] = out.hessian[i][p];
+    }
+    return shape_;
+  }
+
+  // Among all particles that the search finds in the support.
+  template <NeighbourSearch S, class Position>
+  const ShapeFunction<T, D>& at(const Point& x, T rho, const S& search, Position&& position,
+                                Derivative kind = Derivative::exact) {
+    using Scalar = typename S::Scalar;
+    static_assert(S::dimension == D, "the search must have the dimension of the basis");
+    std::array<Scalar, D> centre, lower, upper;
+    for (int d = 0; d < D; ++d) {
+      centre[d] = static_cast<Scalar>(x[d]);
+      lower[d] = static_cast<Scalar>(x[d] - rho);
+      upper[d] = static_cast<Scalar>(x[d] + rho);
+    }
+    std::vector<Neighbour<Scalar>> found;
+    if (form_ == WeightForm::radial)
+      search.within(centre, static_cast<Scalar>(rho), found);
+    else
+      search.in_box(lower, upper, found);
+    found_.clear();
+    for (const auto& neighbour : found) found_.push_back(neighbour.index);
+    return at(x, rho, std::span<const ParticleIndex>(found_), position, kind);
+  }
+
+ private:
+  // A weight that is called number by number, as one that is called array by array.
+  struct Batch {
+    W weight;
+    void evaluate(const T* q, T* w, T* slope, std::size_t n) const {
+      if constexpr (requires { weight.evaluate(q, w, slope, n); }) {
+        weight.evaluate(q, w, slope, n);
+      } else {
+        for (std::size_t i = 0; i < n; ++i) {
+          w[i] = q[i] < T(1) ? T(weight(q[i])) : T(0);
+          if (slope) slope[i] = q[i] < T(1) ? T(weight.derivative(q[i])) : T(0);
+        }
+      }
+    }
+  };
+
+  Batch weights_;
+  WeightForm form_;
+  LocalSolve<T, B> solve_;
+  Stencil<T, D> stencil_;
+  ShapeFunction<T, D> shape_;
+  std::vector<Point> positions_;
+  std::vector<T> arrays_;
+  std::vector<ParticleIndex> found_;
+};
+
+}  // namespace recon

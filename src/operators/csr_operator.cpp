@@ -1,0 +1,174 @@
+#include "recon/operators/csr_operator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "recon/core/error.hpp"
+#include "recon/core/parallel.hpp"
+#include "recon/points/make_view.hpp"
+
+namespace recon {
+namespace {
+
+constexpr std::size_t rows_per_block = 1024;
+
+// The field as one array, point-major, checked to be finite. Points in `skip` (ascending) are zeroed instead.
+template <class Scalar>
+std::vector<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32_t> skip, int threads) {
+  const int components = field.components();
+  std::vector<Scalar> values(field.size() * static_cast<std::size_t>(components));
+  parallel_blocks(field.size(), 16 * rows_per_block, threads, [&](std::size_t begin, std::size_t end) {
+    auto skipped = std::lower_bound(skip.begin(), skip.end(), begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      if (skipped != skip.end() && *skipped == i) {
+        ++skipped;
+        continue;
+      }
+      for (int c = 0; c < components; ++c) {
+        const Scalar value = field(i, c);
+        if (!std::isfinite(value)) [[unlikely]]
+          detail::throw_invalid("component " + std::to_string(c) + " of the field at point " + std::to_string(i),
+                                value, "must be finite");
+        values[i * static_cast<std::size_t>(components) + c] = value;
+      }
+    }
+  });
+  return values;
+}
+
+// sums[c * B + b] = sum over the row's entries of value(e, b) * in(index(e), first + c), c < C.
+template <int B, int C, class Scalar>
+void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin, std::int64_t end,
+              const Scalar* in, std::size_t stride, Scalar* sums) {
+  Scalar total[B * C] = {};
+  for (std::int64_t e = begin; e < end; ++e) {
+    const Scalar* u = in + indices[e] * stride;
+    for (int c = 0; c < C; ++c)
+      for (int b = 0; b < B; ++b) total[c * B + b] += values[e * B + b] * u[c];
+  }
+  std::copy(total, total + B * C, sums);
+}
+
+template <int B, class Scalar>
+void row_sums(int components, const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+              std::int64_t end, const Scalar* in, Scalar* sums) {
+  const auto stride = static_cast<std::size_t>(components);
+  int c = 0;
+  for (; c + 4 <= components; c += 4)
+    row_sums<B, 4>(values, indices, begin, end, in + c, stride, sums + c * B);
+  if (components - c == 3) row_sums<B, 3>(values, indices, begin, end, in + c, stride, sums + c * B);
+  if (components - c == 2) row_sums<B, 2>(values, indices, begin, end, in + c, stride, sums + c * B);
+  if (components - c == 1) row_sums<B, 1>(values, indices, begin, end, in + c, stride, sums + c * B);
+}
+
+}  // namespace
+
+const SparsityPattern::Transposed& SparsityPattern::transposed() const {
+  std::call_once(once_, [this] {
+    Transposed t;
+    t.offsets.assign(columns + 1, 0);
+    for (const ParticleIndex p : indices) ++t.offsets[p + 1];
+    for (std::size_t p = 0; p < columns; ++p) t.offsets[p + 1] += t.offsets[p];
+    t.entries.resize(indices.size());
+    t.rows.resize(indices.size());
+    std::vector<std::int64_t> next(t.offsets.begin(), t.offsets.end() - 1);
+    for (std::size_t row = 0; row < rows(); ++row)
+      for (std::int64_t e = offsets[row]; e < offsets[row + 1]; ++e) {
+        const std::int64_t at = next[indices[e]]++;
+        t.entries[at] = e;
+        t.rows[at] = static_cast<std::uint32_t>(row);
+      }
+    transposed_ = std::move(t);
+  });
+  return transposed_;
+}
+
+template <class Scalar>
+CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern> pattern, std::vector<Scalar> values,
+                                 int blocks, Scalar fill, int threads)
+    : pattern_(std::move(pattern)), values_(std::move(values)), blocks_(blocks), fill_(fill), threads_(threads) {
+  require(values_.size() == pattern_->indices.size() * static_cast<std::size_t>(blocks), "values of the operator",
+          values_.size(), "must be blocks numbers per entry");
+}
+
+template <class Scalar>
+void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
+  require(field.size() == columns(), "size of the field", field.size(), "must be the number of particles");
+  require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
+  const int width = field.components() * blocks_;
+  require(out.components() == width, "components of the output", out.components(),
+          "must be those of the field times the operator's blocks");
+  const std::vector<Scalar> in = gather<Scalar>(field, {}, threads_);
+
+  parallel_blocks(rows(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
+    std::vector<Scalar> sums(width);
+    auto empty = std::lower_bound(empty_rows().begin(), empty_rows().end(), begin);
+    for (std::size_t t = begin; t < end; ++t) {
+      if (empty != empty_rows().end() && *empty == t) {
+        ++empty;
+        for (int i = 0; i < width; ++i) out(t, i) = fill_;
+        continue;
+      }
+      const std::int64_t first = offsets()[t], last = offsets()[t + 1];
+      const Scalar* values = values_.data();
+      const ParticleIndex* index = pattern_->indices.data();
+      switch (blocks_) {
+        case 1: row_sums<1>(field.components(), values, index, first, last, in.data(), sums.data()); break;
+        case 2: row_sums<2>(field.components(), values, index, first, last, in.data(), sums.data()); break;
+        case 3: row_sums<3>(field.components(), values, index, first, last, in.data(), sums.data()); break;
+        default: row_sums<6>(field.components(), values, index, first, last, in.data(), sums.data()); break;
+      }
+      for (int i = 0; i < width; ++i) out(t, i) = sums[i];
+    }
+  });
+}
+
+template <class Scalar>
+void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
+  require(field.size() == rows(), "size of the field", field.size(), "must be the number of targets");
+  require(field.components() % blocks_ == 0, "components of the field", field.components(),
+          "must be a multiple of the operator's blocks");
+  const int components = field.components() / blocks_;
+  require(out.size() == columns(), "size of the output", out.size(), "must be the number of particles");
+  require(out.components() == components, "components of the output", out.components(),
+          "must be those of the field divided by the operator's blocks");
+  const std::vector<Scalar> in = gather<Scalar>(field, empty_rows(), threads_);
+  const auto& columns_of = pattern_->transposed();
+  const auto stride = static_cast<std::size_t>(field.components());
+
+  parallel_blocks(columns(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
+    std::vector<Scalar> sums(components);
+    for (std::size_t p = begin; p < end; ++p) {
+      std::fill(sums.begin(), sums.end(), Scalar(0));
+      for (std::int64_t i = columns_of.offsets[p]; i < columns_of.offsets[p + 1]; ++i) {
+        const Scalar* value = values_.data() + columns_of.entries[i] * blocks_;
+        const Scalar* f = in.data() + columns_of.rows[i] * stride;
+        for (int c = 0; c < components; ++c)
+          for (int b = 0; b < blocks_; ++b) sums[c] += value[b] * f[c * blocks_ + b];
+      }
+      for (int c = 0; c < components; ++c) out(p, c) = sums[c];
+    }
+  });
+}
+
+template <class Scalar>
+typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply(const FieldView<Scalar>& field) const {
+  Matrix out(static_cast<Eigen::Index>(rows()), field.components() * blocks_);
+  apply(field, field_of(out));
+  return out;
+}
+
+template <class Scalar>
+typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field) const {
+  require(field.components() % blocks_ == 0, "components of the field", field.components(),
+          "must be a multiple of the operator's blocks");
+  Matrix out(static_cast<Eigen::Index>(columns()), field.components() / blocks_);
+  apply_transpose(field, field_of(out));
+  return out;
+}
+
+template class CsrOperator<float>;
+template class CsrOperator<double>;
+
+}  // namespace recon

@@ -1,0 +1,310 @@
+#include "recon/operators/reconstruct.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "recon/basis/monomials.hpp"
+#include "recon/core/parallel.hpp"
+
+namespace recon {
+namespace {
+
+constexpr std::size_t targets_per_block = 256;
+
+template <class Scalar>
+PeriodicDomain<Scalar> scaled(const PeriodicDomain<double>& domain, const std::array<double, max_dimension>& stretch,
+                              int dimension) {
+  domain.validate(dimension);
+  PeriodicDomain<Scalar> out;
+  out.periodic = domain.periodic;
+  for (int d = 0; d < max_dimension; ++d) {
+    out.lower[d] = static_cast<Scalar>(domain.lower[d] / stretch[d]);
+    out.upper[d] = static_cast<Scalar>(domain.upper[d] / stretch[d]);
+  }
+  return out;
+}
+
+// The points in coordinates divided by `stretch`, in which an anisotropic support is a ball or a cube.
+template <class Scalar>
+PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name, const PeriodicDomain<Scalar>& domain,
+                          const std::array<double, max_dimension>& stretch) {
+  const auto isotropic = std::all_of(stretch.begin(), stretch.end(), [](double s) { return s == 1; });
+  if (isotropic) return PointCloud<Scalar>(points, name, domain);
+  bounding_box(points, name);  // messages about bad coordinates speak of the caller's numbers
+  std::array<std::vector<Scalar>, max_dimension> axes;
+  for (int d = 0; d < points.dimension(); ++d) {
+    axes[d].resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+      axes[d][i] = static_cast<Scalar>(static_cast<double>(points(i, d)) / stretch[d]);
+  }
+  const PointsView<Scalar> view(points.size(), points.dimension(), {axes[0].data(), axes[1].data(), axes[2].data()},
+                                {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)});
+  return PointCloud<Scalar>(view, name, domain);
+}
+
+// The default rule: twice as many neighbours as terms, plus one.
+NeighbourRule resolved(const NeighbourRule& rule, int dimension, int degree) {
+  const Nearest* nearest = std::get_if<Nearest>(&rule);
+  if (!nearest || nearest->k != 0) return rule;
+  return Nearest{static_cast<std::size_t>(2 * monomial_count(dimension, degree) + 1), nearest->factor};
+}
+
+// The rule with supports `factor` times as large, for a choice of the targets; `radii` keeps what it refers to.
+NeighbourRule enlarged(const NeighbourRule& rule, double factor, const std::vector<std::size_t>& targets,
+                       std::vector<double>& radii) {
+  const auto more = [factor](std::size_t k) {
+    return static_cast<std::size_t>(std::ceil(static_cast<double>(k) * factor));
+  };
+  if (const auto* r = std::get_if<Radius>(&rule)) return Radius{r->radius * factor};
+  if (const auto* r = std::get_if<Nearest>(&rule)) return Nearest{more(r->k), r->factor};
+  if (const auto* r = std::get_if<NearestWithin>(&rule)) return NearestWithin{more(r->k), r->radius * factor};
+  radii.clear();
+  for (const std::size_t t : targets) radii.push_back(std::get<Radii>(rule).radii[t] * factor);
+  return Radii{radii};
+}
+
+template <class Scalar>
+PointCloud<Scalar> subset(const PointCloud<Scalar>& points, const std::vector<std::size_t>& chosen) {
+  std::array<std::vector<Scalar>, max_dimension> axes;
+  for (int d = 0; d < points.dimension(); ++d)
+    for (const std::size_t i : chosen) axes[d].push_back(points(i, d));
+  return PointCloud<Scalar>(PointsView<Scalar>(chosen.size(), points.dimension(),
+                                               {axes[0].data(), axes[1].data(), axes[2].data()},
+                                               {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)}),
+                            "targets");
+}
+
+// The list with the rows of `rows` (ascending targets) replaced by those of `other` that `take` marks.
+template <class Scalar>
+NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list, const std::vector<std::size_t>& rows,
+                                const NeighbourList<Scalar>& other, const std::vector<bool>& take) {
+  NeighbourList<Scalar> merged;
+  merged.support = list.support;
+  std::size_t next = 0;
+  for (std::size_t t = 0; t < list.targets(); ++t) {
+    const NeighbourList<Scalar>* from = &list;
+    std::size_t row = t;
+    if (next < rows.size() && rows[next] == t) {
+      if (take[next]) {
+        from = &other;
+        row = next;
+        merged.support[t] = other.support[next];
+      }
+      ++next;
+    }
+    const std::int64_t begin = from->offsets[row], end = from->offsets[row + 1];
+    merged.indices.insert(merged.indices.end(), from->indices.begin() + begin, from->indices.begin() + end);
+    if (!from->shifts.empty())
+      merged.shifts.insert(merged.shifts.end(), from->shifts.begin() + begin, from->shifts.begin() + end);
+    merged.offsets.push_back(static_cast<std::int64_t>(merged.indices.size()));
+  }
+  return merged;
+}
+
+}  // namespace
+
+// What derivatives need later: the coordinates (divided by stretch, wrapped), the neighbours, the choice.
+template <class Scalar>
+struct BasicReconstruction<Scalar>::Problem {
+  PeriodicDomain<Scalar> domain;
+  PointCloud<Scalar> particles, targets;
+  NeighbourList<Scalar> neighbours;
+  std::shared_ptr<const ShapeKernel<Scalar>> kernel;
+  Scalar support_factor = 0, fill = 0;
+  std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
+  Solver solver = Solver::gram_schmidt;
+  int threads = 0;
+  std::vector<std::uint32_t> nearest_rows;  // targets that have the value of the nearest particle
+  std::shared_ptr<const SparsityPattern> pattern;
+
+  Problem(const PointsView<Scalar>& points, const PointsView<Scalar>& at, const Options& options) {
+    options.validate();
+    require(points.dimension() == at.dimension(), "dimension of the targets", at.dimension(),
+            "must be that of the points");
+    domain = scaled<Scalar>(options.domain, options.stretch, points.dimension());
+    particles = gather(points, "points", domain, options.stretch);
+    targets = gather(at, "targets", domain, options.stretch);
+    kernel = make_shape_kernel<Scalar>(points.dimension(), {options.degree, options.weight, options.form,
+                                                            options.solver, options.tolerances});
+    for (int d = 0; d < max_dimension; ++d) axis_scale[d] = static_cast<Scalar>(1 / options.stretch[d]);
+    fill = static_cast<Scalar>(options.fill_value);
+    solver = options.solver;
+    threads = options.threads;
+  }
+
+  // Fits the targets of a list; `values` per entry and `reports` per target.
+  void fit(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list, std::vector<Scalar>& values,
+           std::vector<FitReport>& reports) const {
+    values.resize(list.indices.size());
+    reports.resize(list.targets());
+    const ShapeProblem<Scalar> problem{particles, at, list, domain, support_factor, axis_scale};
+    parallel_blocks(list.targets(), targets_per_block, threads, [&](std::size_t begin, std::size_t end) {
+      ShapeRows<Scalar> rows;
+      rows.value = values.data();
+      rows.report = reports.data();
+      kernel->evaluate(problem, begin, end, rows);
+    });
+  }
+
+  // Enlarges the supports of targets that miss the asked degree. True where any has been replaced.
+  bool grow(const Options& options, const NeighbourRule& rule, const NeighbourOptions& search,
+            const std::vector<FitReport>& reports) {
+    bool changed = false;
+    std::vector<std::size_t> missing;
+    for (std::size_t t = 0; t < reports.size(); ++t)
+      if (reports[t].status != FitStatus::full) missing.push_back(t);
+    double factor = 1;
+    for (int step = 0; step < options.grow.steps && !missing.empty(); ++step) {
+      factor *= options.grow.factor;
+      std::vector<double> radii;
+      NeighbourOptions larger = search;
+      if (search.visible)
+        larger.visible = [&](std::size_t t, std::size_t p) { return search.visible(missing[t], p); };
+      const PointCloud<Scalar> at = subset(targets, missing);
+      const auto list = find_neighbours(particles, at, enlarged(rule, factor, missing, radii), domain, larger);
+      std::vector<Scalar> values;
+      std::vector<FitReport> grown;
+      fit(at, list, values, grown);
+      std::vector<bool> take;
+      std::vector<std::size_t> still;
+      for (std::size_t i = 0; i < missing.size(); ++i) {
+        take.push_back(grown[i].status == FitStatus::full);
+        if (!take.back()) still.push_back(missing[i]);
+      }
+      if (still.size() == missing.size()) continue;
+      neighbours = with_rows(neighbours, missing, list, take);
+      changed = true;
+      missing = std::move(still);
+    }
+    return changed;
+  }
+
+  // Gives targets without support the nearest visible particle, with weight one.
+  void use_nearest(const NeighbourOptions& search, std::vector<Scalar>& values, std::vector<FitReport>& reports) {
+    std::vector<std::size_t> lost;
+    for (std::size_t t = 0; t < reports.size(); ++t)
+      if (reports[t].status == FitStatus::no_support) lost.push_back(t);
+    if (lost.empty() || particles.size() == 0) return;
+    NeighbourOptions one = search;
+    one.shape = SupportShape::ball;
+    if (search.visible) one.visible = [&](std::size_t t, std::size_t p) { return search.visible(lost[t], p); };
+    const auto list = find_neighbours(particles, subset(targets, lost), Nearest{1}, domain, one);
+    std::vector<bool> take;
+    for (std::size_t i = 0; i < lost.size(); ++i) take.push_back(list.count(i) > 0);
+    const NeighbourList<Scalar> before = std::move(neighbours);
+    neighbours = with_rows(before, lost, list, take);
+    const std::vector<Scalar> fitted = std::move(values);
+    values.assign(neighbours.indices.size(), Scalar(0));
+    std::size_t next = 0;
+    for (std::size_t t = 0; t < reports.size(); ++t) {
+      if (next < lost.size() && lost[next] == t && take[next++]) {
+        values[neighbours.offsets[t]] = 1;
+        reports[t].status = FitStatus::nearest;
+        nearest_rows.push_back(static_cast<std::uint32_t>(t));
+      } else {
+        std::copy(fitted.begin() + before.offsets[t], fitted.begin() + before.offsets[t + 1],
+                  values.begin() + neighbours.offsets[t]);
+      }
+    }
+  }
+
+  void make_pattern(const std::vector<FitReport>& reports) {
+    auto made = std::make_shared<SparsityPattern>();
+    made->columns = particles.size();
+    made->offsets = neighbours.offsets;
+    made->indices = neighbours.indices;
+    for (std::size_t t = 0; t < reports.size(); ++t)
+      if (reports[t].status == FitStatus::no_support) made->empty_rows.push_back(static_cast<std::uint32_t>(t));
+    pattern = std::move(made);
+  }
+};
+
+template <class Scalar>
+BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& at,
+                                                 const Options& options) {
+  auto problem = std::make_shared<Problem>(points, at, options);
+  const NeighbourRule rule = resolved(options.neighbours, points.dimension(), options.degree);
+  if (const auto* nearest = std::get_if<Nearest>(&rule))
+    problem->support_factor = static_cast<Scalar>(nearest->factor);
+  const NeighbourOptions search{
+      options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube, options.search, options.visible,
+      options.threads};
+  problem->neighbours = find_neighbours(problem->particles, problem->targets, rule, problem->domain, search);
+
+  std::vector<Scalar> values;
+  std::vector<FitReport> reports;
+  problem->fit(problem->targets, problem->neighbours, values, reports);
+  if (options.grow.steps > 0 && problem->grow(options, rule, search, reports))
+    problem->fit(problem->targets, problem->neighbours, values, reports);
+  if (options.unsupported == Unsupported::nearest) problem->use_nearest(search, values, reports);
+  problem->make_pattern(reports);
+  reports_ = FitReports(std::move(reports), options.solver);
+  values_ = CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
+  problem_ = std::move(problem);
+}
+
+template <class Scalar>
+BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& at,
+                                                 NeighbourList<Scalar> neighbours, const Options& options) {
+  auto problem = std::make_shared<Problem>(points, at, options);
+  neighbours.validate(at.size(), points.size());
+  require(!problem->domain.any() || neighbours.indices.empty() || !neighbours.shifts.empty(), "neighbours",
+          "without shifts", "must have shifts in a periodic domain");
+  problem->neighbours = std::move(neighbours);
+
+  std::vector<Scalar> values;
+  std::vector<FitReport> reports;
+  problem->fit(problem->targets, problem->neighbours, values, reports);
+  if (options.unsupported == Unsupported::nearest) {
+    const NeighbourOptions search{SupportShape::ball, options.search, options.visible, options.threads};
+    problem->use_nearest(search, values, reports);
+  }
+  problem->make_pattern(reports);
+  reports_ = FitReports(std::move(reports), options.solver);
+  values_ = CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
+  problem_ = std::move(problem);
+}
+
+template <class Scalar>
+CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivative kind) const {
+  const Problem& p = *problem_;
+  const int blocks = second ? dimension() * (dimension() + 1) / 2 : dimension();
+  std::vector<Scalar> values(p.neighbours.indices.size() * static_cast<std::size_t>(blocks));
+  const ShapeProblem<Scalar> problem{p.particles, p.targets, p.neighbours, p.domain, p.support_factor, p.axis_scale};
+  parallel_blocks(p.targets.size(), targets_per_block, p.threads, [&](std::size_t begin, std::size_t end) {
+    ShapeRows<Scalar> rows;
+    (second ? rows.hessian : rows.gradient) = values.data();
+    rows.kind = kind;
+    p.kernel->evaluate(problem, begin, end, rows);
+  });
+  // The value of the nearest particle is constant about the target.
+  for (const std::uint32_t t : p.nearest_rows)
+    std::fill(values.begin() + p.neighbours.offsets[t] * blocks, values.begin() + p.neighbours.offsets[t + 1] * blocks,
+              Scalar(0));
+  return CsrOperator<Scalar>(p.pattern, std::move(values), blocks, p.fill, p.threads);
+}
+
+template <class Scalar>
+CsrOperator<Scalar> BasicReconstruction<Scalar>::gradient(Derivative kind) const {
+  return derivative(false, kind);
+}
+
+template <class Scalar>
+CsrOperator<Scalar> BasicReconstruction<Scalar>::hessian() const {
+  return derivative(true, Derivative::diffuse);
+}
+
+template <class Scalar>
+const NeighbourList<Scalar>& BasicReconstruction<Scalar>::neighbours() const {
+  return problem_->neighbours;
+}
+
+template <class Scalar>
+int BasicReconstruction<Scalar>::dimension() const {
+  return problem_->particles.dimension();
+}
+
+template class BasicReconstruction<float>;
+template class BasicReconstruction<double>;
+
+}  // namespace recon
