@@ -34,19 +34,22 @@ std::size_t edit_distance(std::string_view first, std::string_view second) {
   return above[b.size()];
 }
 
-std::vector<std::string> nearest_names(std::string_view word, std::span<const std::string> candidates,
-                                       std::size_t most) {
+std::vector<std::string> nearest_names(std::string_view word,
+                                       std::span<const std::string> candidates, std::size_t most) {
   std::vector<std::pair<std::size_t, std::string>> near;
   const std::string wanted = lower(word);
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
     const std::size_t longer = std::max(word.size(), candidate.size());
     const std::string name = lower(candidate);
-    const bool contained = wanted.size() >= 3 && (name.find(wanted) != std::string::npos ||
-                                                  (name.size() >= 3 && wanted.find(name) != std::string::npos));
-    if (distance <= std::max<std::size_t>(1, longer / 3) || contained) near.emplace_back(distance, candidate);
+    const bool contained =
+        wanted.size() >= 3 && (name.find(wanted) != std::string::npos ||
+                               (name.size() >= 3 && wanted.find(name) != std::string::npos));
+    if (distance <= std::max<std::size_t>(1, longer / 3) || contained)
+      near.emplace_back(distance, candidate);
   }
-  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(near.begin(), near.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> names;
   for (std::size_t i = 0; i < std::min(most, near.size()); ++i) names.push_back(near[i].second);
   return names;
@@ -61,7 +64,8 @@ std::string suggest(std::string_view word, std::span<const std::string> candidat
       text += (i == 0 ? "'" : i + 1 == near.size() ? " or '" : ", '") + near[i] + "'";
     return text + "?";
   }
-  for (const std::string& candidate : candidates) text += (text.empty() ? "valid: " : ", ") + candidate;
+  for (const std::string& candidate : candidates)
+    text += (text.empty() ? "valid: " : ", ") + candidate;
   return text;
 }
 

@@ -13,34 +13,38 @@ namespace {
 
 constexpr std::size_t rows_per_block = 1024;
 
-// The field as one array, point-major, checked to be finite. Points in `skip` (ascending) are zeroed instead.
+// The field as one array, point-major, checked to be finite. Points in `skip` (ascending) are
+// zeroed instead.
 template <class Scalar>
-std::vector<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32_t> skip, int threads) {
+std::vector<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32_t> skip,
+                           int threads) {
   const int components = field.components();
   std::vector<Scalar> values(field.size() * static_cast<std::size_t>(components));
-  parallel_blocks(field.size(), 16 * rows_per_block, threads, [&](std::size_t begin, std::size_t end) {
-    auto skipped = std::lower_bound(skip.begin(), skip.end(), begin);
-    for (std::size_t i = begin; i < end; ++i) {
-      if (skipped != skip.end() && *skipped == i) {
-        ++skipped;
-        continue;
-      }
-      for (int c = 0; c < components; ++c) {
-        const Scalar value = field(i, c);
-        if (!std::isfinite(value)) [[unlikely]]
-          detail::throw_invalid("component " + std::to_string(c) + " of the field at point " + std::to_string(i),
-                                value, "must be finite");
-        values[i * static_cast<std::size_t>(components) + c] = value;
-      }
-    }
-  });
+  parallel_blocks(
+      field.size(), 16 * rows_per_block, threads, [&](std::size_t begin, std::size_t end) {
+        auto skipped = std::lower_bound(skip.begin(), skip.end(), begin);
+        for (std::size_t i = begin; i < end; ++i) {
+          if (skipped != skip.end() && *skipped == i) {
+            ++skipped;
+            continue;
+          }
+          for (int c = 0; c < components; ++c) {
+            const Scalar value = field(i, c);
+            if (!std::isfinite(value)) [[unlikely]]
+              detail::throw_invalid(
+                  "component " + std::to_string(c) + " of the field at point " + std::to_string(i),
+                  value, "must be finite");
+            values[i * static_cast<std::size_t>(components) + c] = value;
+          }
+        }
+      });
   return values;
 }
 
 // sums[c * B + b] = sum over the row's entries of value(e, b) * in(index(e), first + c), c < C.
 template <int B, int C, class Scalar>
-void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin, std::int64_t end,
-              const Scalar* in, std::size_t stride, Scalar* sums) {
+void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+              std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
   Scalar total[B * C] = {};
   for (std::int64_t e = begin; e < end; ++e) {
     const Scalar* u = in + indices[e] * stride;
@@ -51,15 +55,18 @@ void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t b
 }
 
 template <int B, class Scalar>
-void row_sums(int components, const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
-              std::int64_t end, const Scalar* in, Scalar* sums) {
+void row_sums(int components, const Scalar* values, const ParticleIndex* indices,
+              std::int64_t begin, std::int64_t end, const Scalar* in, Scalar* sums) {
   const auto stride = static_cast<std::size_t>(components);
   int c = 0;
   for (; c + 4 <= components; c += 4)
     row_sums<B, 4>(values, indices, begin, end, in + c, stride, sums + c * B);
-  if (components - c == 3) row_sums<B, 3>(values, indices, begin, end, in + c, stride, sums + c * B);
-  if (components - c == 2) row_sums<B, 2>(values, indices, begin, end, in + c, stride, sums + c * B);
-  if (components - c == 1) row_sums<B, 1>(values, indices, begin, end, in + c, stride, sums + c * B);
+  if (components - c == 3)
+    row_sums<B, 3>(values, indices, begin, end, in + c, stride, sums + c * B);
+  if (components - c == 2)
+    row_sums<B, 2>(values, indices, begin, end, in + c, stride, sums + c * B);
+  if (components - c == 1)
+    row_sums<B, 1>(values, indices, begin, end, in + c, stride, sums + c * B);
 }
 
 }  // namespace
@@ -85,16 +92,22 @@ const SparsityPattern::Transposed& SparsityPattern::transposed() const {
 }
 
 template <class Scalar>
-CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern> pattern, std::vector<Scalar> values,
-                                 int blocks, Scalar fill, int threads)
-    : pattern_(std::move(pattern)), values_(std::move(values)), blocks_(blocks), fill_(fill), threads_(threads) {
-  require(values_.size() == pattern_->indices.size() * static_cast<std::size_t>(blocks), "values of the operator",
-          values_.size(), "must be blocks numbers per entry");
+CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern> pattern,
+                                 std::vector<Scalar> values, int blocks, Scalar fill, int threads)
+    : pattern_(std::move(pattern)),
+      values_(std::move(values)),
+      blocks_(blocks),
+      fill_(fill),
+      threads_(threads) {
+  require(values_.size() == pattern_->indices.size() * static_cast<std::size_t>(blocks),
+          "values of the operator", values_.size(), "must be blocks numbers per entry");
 }
 
 template <class Scalar>
-void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
-  require(field.size() == columns(), "size of the field", field.size(), "must be the number of particles");
+void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
+                                const FieldSpan<Scalar>& out) const {
+  require(field.size() == columns(), "size of the field", field.size(),
+          "must be the number of particles");
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
   const int width = field.components() * blocks_;
   require(out.components() == width, "components of the output", out.components(),
@@ -114,10 +127,18 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<
       const Scalar* values = values_.data();
       const ParticleIndex* index = pattern_->indices.data();
       switch (blocks_) {
-        case 1: row_sums<1>(field.components(), values, index, first, last, in.data(), sums.data()); break;
-        case 2: row_sums<2>(field.components(), values, index, first, last, in.data(), sums.data()); break;
-        case 3: row_sums<3>(field.components(), values, index, first, last, in.data(), sums.data()); break;
-        default: row_sums<6>(field.components(), values, index, first, last, in.data(), sums.data()); break;
+        case 1:
+          row_sums<1>(field.components(), values, index, first, last, in.data(), sums.data());
+          break;
+        case 2:
+          row_sums<2>(field.components(), values, index, first, last, in.data(), sums.data());
+          break;
+        case 3:
+          row_sums<3>(field.components(), values, index, first, last, in.data(), sums.data());
+          break;
+        default:
+          row_sums<6>(field.components(), values, index, first, last, in.data(), sums.data());
+          break;
       }
       for (int i = 0; i < width; ++i) out(t, i) = sums[i];
     }
@@ -125,12 +146,15 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<
 }
 
 template <class Scalar>
-void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
-  require(field.size() == rows(), "size of the field", field.size(), "must be the number of targets");
+void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
+                                          const FieldSpan<Scalar>& out) const {
+  require(field.size() == rows(), "size of the field", field.size(),
+          "must be the number of targets");
   require(field.components() % blocks_ == 0, "components of the field", field.components(),
           "must be a multiple of the operator's blocks");
   const int components = field.components() / blocks_;
-  require(out.size() == columns(), "size of the output", out.size(), "must be the number of particles");
+  require(out.size() == columns(), "size of the output", out.size(),
+          "must be the number of particles");
   require(out.components() == components, "components of the output", out.components(),
           "must be those of the field divided by the operator's blocks");
   const std::vector<Scalar> in = gather<Scalar>(field, empty_rows(), threads_);
@@ -153,14 +177,16 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field, const 
 }
 
 template <class Scalar>
-typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply(const FieldView<Scalar>& field) const {
+typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply(
+    const FieldView<Scalar>& field) const {
   Matrix out(static_cast<Eigen::Index>(rows()), field.components() * blocks_);
   apply(field, field_of(out));
   return out;
 }
 
 template <class Scalar>
-typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field) const {
+typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply_transpose(
+    const FieldView<Scalar>& field) const {
   require(field.components() % blocks_ == 0, "components of the field", field.components(),
           "must be a multiple of the operator's blocks");
   Matrix out(static_cast<Eigen::Index>(columns()), field.components() / blocks_);

@@ -4,7 +4,8 @@
 
 namespace recon {
 
-FitReports::FitReports(std::vector<FitReport> reports, Solver asked) : reports_(std::move(reports)) {
+FitReports::FitReports(std::vector<FitReport> reports, Solver asked)
+    : reports_(std::move(reports)) {
   FitSummary& s = summary_;
   s.targets = reports_.size();
   if (!reports_.empty()) s.fewest_neighbours = reports_.front().neighbours;

@@ -12,8 +12,8 @@ namespace {
 constexpr std::size_t targets_per_block = 256;
 
 template <class Scalar>
-PeriodicDomain<Scalar> scaled(const PeriodicDomain<double>& domain, const std::array<double, max_dimension>& stretch,
-                              int dimension) {
+PeriodicDomain<Scalar> scaled(const PeriodicDomain<double>& domain,
+                              const std::array<double, max_dimension>& stretch, int dimension) {
   domain.validate(dimension);
   PeriodicDomain<Scalar> out;
   out.periodic = domain.periodic;
@@ -24,11 +24,14 @@ PeriodicDomain<Scalar> scaled(const PeriodicDomain<double>& domain, const std::a
   return out;
 }
 
-// The points in coordinates divided by `stretch`, in which an anisotropic support is a ball or a cube.
+// The points in coordinates divided by `stretch`, in which an anisotropic support is a ball or a
+// cube.
 template <class Scalar>
-PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name, const PeriodicDomain<Scalar>& domain,
+PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name,
+                          const PeriodicDomain<Scalar>& domain,
                           const std::array<double, max_dimension>& stretch) {
-  const auto isotropic = std::all_of(stretch.begin(), stretch.end(), [](double s) { return s == 1; });
+  const auto isotropic =
+      std::all_of(stretch.begin(), stretch.end(), [](double s) { return s == 1; });
   if (isotropic) return PointCloud<Scalar>(points, name, domain);
   bounding_box(points, name);  // messages about bad coordinates speak of the caller's numbers
   std::array<std::vector<Scalar>, max_dimension> axes;
@@ -37,7 +40,8 @@ PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name, co
     for (std::size_t i = 0; i < points.size(); ++i)
       axes[d][i] = static_cast<Scalar>(static_cast<double>(points(i, d)) / stretch[d]);
   }
-  const PointsView<Scalar> view(points.size(), points.dimension(), {axes[0].data(), axes[1].data(), axes[2].data()},
+  const PointsView<Scalar> view(points.size(), points.dimension(),
+                                {axes[0].data(), axes[1].data(), axes[2].data()},
                                 {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)});
   return PointCloud<Scalar>(view, name, domain);
 }
@@ -46,25 +50,29 @@ PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name, co
 NeighbourRule resolved(const NeighbourRule& rule, int dimension, int degree) {
   const Nearest* nearest = std::get_if<Nearest>(&rule);
   if (!nearest || nearest->k != 0) return rule;
-  return Nearest{static_cast<std::size_t>(2 * monomial_count(dimension, degree) + 1), nearest->factor};
+  return Nearest{static_cast<std::size_t>(2 * monomial_count(dimension, degree) + 1),
+                 nearest->factor};
 }
 
-// The rule with supports `factor` times as large, for a choice of the targets; `radii` keeps what it refers to.
-NeighbourRule enlarged(const NeighbourRule& rule, double factor, const std::vector<std::size_t>& targets,
-                       std::vector<double>& radii) {
+// The rule with supports `factor` times as large, for a choice of the targets; `radii` keeps what
+// it refers to.
+NeighbourRule enlarged(const NeighbourRule& rule, double factor,
+                       const std::vector<std::size_t>& targets, std::vector<double>& radii) {
   const auto more = [factor](std::size_t k) {
     return static_cast<std::size_t>(std::ceil(static_cast<double>(k) * factor));
   };
   if (const auto* r = std::get_if<Radius>(&rule)) return Radius{r->radius * factor};
   if (const auto* r = std::get_if<Nearest>(&rule)) return Nearest{more(r->k), r->factor};
-  if (const auto* r = std::get_if<NearestWithin>(&rule)) return NearestWithin{more(r->k), r->radius * factor};
+  if (const auto* r = std::get_if<NearestWithin>(&rule))
+    return NearestWithin{more(r->k), r->radius * factor};
   radii.clear();
   for (const std::size_t t : targets) radii.push_back(std::get<Radii>(rule).radii[t] * factor);
   return Radii{radii};
 }
 
 template <class Scalar>
-PointCloud<Scalar> subset(const PointCloud<Scalar>& points, const std::vector<std::size_t>& chosen) {
+PointCloud<Scalar> subset(const PointCloud<Scalar>& points,
+                          const std::vector<std::size_t>& chosen) {
   std::array<std::vector<Scalar>, max_dimension> axes;
   for (int d = 0; d < points.dimension(); ++d)
     for (const std::size_t i : chosen) axes[d].push_back(points(i, d));
@@ -74,9 +82,11 @@ PointCloud<Scalar> subset(const PointCloud<Scalar>& points, const std::vector<st
                             "targets");
 }
 
-// The list with the rows of `rows` (ascending targets) replaced by those of `other` that `take` marks.
+// The list with the rows of `rows` (ascending targets) replaced by those of `other` that `take`
+// marks.
 template <class Scalar>
-NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list, const std::vector<std::size_t>& rows,
+NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
+                                const std::vector<std::size_t>& rows,
                                 const NeighbourList<Scalar>& other, const std::vector<bool>& take) {
   NeighbourList<Scalar> merged;
   merged.support = list.support;
@@ -93,9 +103,11 @@ NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list, const std::ve
       ++next;
     }
     const std::int64_t begin = from->offsets[row], end = from->offsets[row + 1];
-    merged.indices.insert(merged.indices.end(), from->indices.begin() + begin, from->indices.begin() + end);
+    merged.indices.insert(merged.indices.end(), from->indices.begin() + begin,
+                          from->indices.begin() + end);
     if (!from->shifts.empty())
-      merged.shifts.insert(merged.shifts.end(), from->shifts.begin() + begin, from->shifts.begin() + end);
+      merged.shifts.insert(merged.shifts.end(), from->shifts.begin() + begin,
+                           from->shifts.begin() + end);
     merged.offsets.push_back(static_cast<std::int64_t>(merged.indices.size()));
   }
   return merged;
@@ -103,7 +115,8 @@ NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list, const std::ve
 
 }  // namespace
 
-// What derivatives need later: the coordinates (divided by stretch, wrapped), the neighbours, the choice.
+// What derivatives need later: the coordinates (divided by stretch, wrapped), the neighbours, the
+// choice.
 template <class Scalar>
 struct BasicReconstruction<Scalar>::Problem {
   PeriodicDomain<Scalar> domain;
@@ -124,26 +137,29 @@ struct BasicReconstruction<Scalar>::Problem {
     domain = scaled<Scalar>(options.domain, options.stretch, points.dimension());
     particles = gather(points, "points", domain, options.stretch);
     targets = gather(at, "targets", domain, options.stretch);
-    kernel = make_shape_kernel<Scalar>(points.dimension(), {options.degree, options.weight, options.form,
-                                                            options.solver, options.tolerances});
-    for (int d = 0; d < max_dimension; ++d) axis_scale[d] = static_cast<Scalar>(1 / options.stretch[d]);
+    kernel = make_shape_kernel<Scalar>(
+        points.dimension(),
+        {options.degree, options.weight, options.form, options.solver, options.tolerances});
+    for (int d = 0; d < max_dimension; ++d)
+      axis_scale[d] = static_cast<Scalar>(1 / options.stretch[d]);
     fill = static_cast<Scalar>(options.fill_value);
     solver = options.solver;
     threads = options.threads;
   }
 
   // Fits the targets of a list; `values` per entry and `reports` per target.
-  void fit(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list, std::vector<Scalar>& values,
-           std::vector<FitReport>& reports) const {
+  void fit(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
+           std::vector<Scalar>& values, std::vector<FitReport>& reports) const {
     values.resize(list.indices.size());
     reports.resize(list.targets());
     const ShapeProblem<Scalar> problem{particles, at, list, domain, support_factor, axis_scale};
-    parallel_blocks(list.targets(), targets_per_block, threads, [&](std::size_t begin, std::size_t end) {
-      ShapeRows<Scalar> rows;
-      rows.value = values.data();
-      rows.report = reports.data();
-      kernel->evaluate(problem, begin, end, rows);
-    });
+    parallel_blocks(list.targets(), targets_per_block, threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      ShapeRows<Scalar> rows;
+                      rows.value = values.data();
+                      rows.report = reports.data();
+                      kernel->evaluate(problem, begin, end, rows);
+                    });
   }
 
   // Enlarges the supports of targets that miss the asked degree. True where any has been replaced.
@@ -159,9 +175,12 @@ struct BasicReconstruction<Scalar>::Problem {
       std::vector<double> radii;
       NeighbourOptions larger = search;
       if (search.visible)
-        larger.visible = [&](std::size_t t, std::size_t p) { return search.visible(missing[t], p); };
+        larger.visible = [&](std::size_t t, std::size_t p) {
+          return search.visible(missing[t], p);
+        };
       const PointCloud<Scalar> at = subset(targets, missing);
-      const auto list = find_neighbours(particles, at, enlarged(rule, factor, missing, radii), domain, larger);
+      const auto list =
+          find_neighbours(particles, at, enlarged(rule, factor, missing, radii), domain, larger);
       std::vector<Scalar> values;
       std::vector<FitReport> grown;
       fit(at, list, values, grown);
@@ -180,14 +199,16 @@ struct BasicReconstruction<Scalar>::Problem {
   }
 
   // Gives targets without support the nearest visible particle, with weight one.
-  void use_nearest(const NeighbourOptions& search, std::vector<Scalar>& values, std::vector<FitReport>& reports) {
+  void use_nearest(const NeighbourOptions& search, std::vector<Scalar>& values,
+                   std::vector<FitReport>& reports) {
     std::vector<std::size_t> lost;
     for (std::size_t t = 0; t < reports.size(); ++t)
       if (reports[t].status == FitStatus::no_support) lost.push_back(t);
     if (lost.empty() || particles.size() == 0) return;
     NeighbourOptions one = search;
     one.shape = SupportShape::ball;
-    if (search.visible) one.visible = [&](std::size_t t, std::size_t p) { return search.visible(lost[t], p); };
+    if (search.visible)
+      one.visible = [&](std::size_t t, std::size_t p) { return search.visible(lost[t], p); };
     const auto list = find_neighbours(particles, subset(targets, lost), Nearest{1}, domain, one);
     std::vector<bool> take;
     for (std::size_t i = 0; i < lost.size(); ++i) take.push_back(list.count(i) > 0);
@@ -214,22 +235,25 @@ struct BasicReconstruction<Scalar>::Problem {
     made->offsets = neighbours.offsets;
     made->indices = neighbours.indices;
     for (std::size_t t = 0; t < reports.size(); ++t)
-      if (reports[t].status == FitStatus::no_support) made->empty_rows.push_back(static_cast<std::uint32_t>(t));
+      if (reports[t].status == FitStatus::no_support)
+        made->empty_rows.push_back(static_cast<std::uint32_t>(t));
     pattern = std::move(made);
   }
 };
 
 template <class Scalar>
-BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& at,
+BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points,
+                                                 const PointsView<Scalar>& at,
                                                  const Options& options) {
   auto problem = std::make_shared<Problem>(points, at, options);
   const NeighbourRule rule = resolved(options.neighbours, points.dimension(), options.degree);
   if (const auto* nearest = std::get_if<Nearest>(&rule))
     problem->support_factor = static_cast<Scalar>(nearest->factor);
   const NeighbourOptions search{
-      options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube, options.search, options.visible,
-      options.threads};
-  problem->neighbours = find_neighbours(problem->particles, problem->targets, rule, problem->domain, search);
+      options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube, options.search,
+      options.visible, options.threads};
+  problem->neighbours =
+      find_neighbours(problem->particles, problem->targets, rule, problem->domain, search);
 
   std::vector<Scalar> values;
   std::vector<FitReport> reports;
@@ -239,29 +263,34 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
   if (options.unsupported == Unsupported::nearest) problem->use_nearest(search, values, reports);
   problem->make_pattern(reports);
   reports_ = FitReports(std::move(reports), options.solver);
-  values_ = CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
+  values_ =
+      CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
   problem_ = std::move(problem);
 }
 
 template <class Scalar>
-BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& at,
-                                                 NeighbourList<Scalar> neighbours, const Options& options) {
+BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points,
+                                                 const PointsView<Scalar>& at,
+                                                 NeighbourList<Scalar> neighbours,
+                                                 const Options& options) {
   auto problem = std::make_shared<Problem>(points, at, options);
   neighbours.validate(at.size(), points.size());
-  require(!problem->domain.any() || neighbours.indices.empty() || !neighbours.shifts.empty(), "neighbours",
-          "without shifts", "must have shifts in a periodic domain");
+  require(!problem->domain.any() || neighbours.indices.empty() || !neighbours.shifts.empty(),
+          "neighbours", "without shifts", "must have shifts in a periodic domain");
   problem->neighbours = std::move(neighbours);
 
   std::vector<Scalar> values;
   std::vector<FitReport> reports;
   problem->fit(problem->targets, problem->neighbours, values, reports);
   if (options.unsupported == Unsupported::nearest) {
-    const NeighbourOptions search{SupportShape::ball, options.search, options.visible, options.threads};
+    const NeighbourOptions search{SupportShape::ball, options.search, options.visible,
+                                  options.threads};
     problem->use_nearest(search, values, reports);
   }
   problem->make_pattern(reports);
   reports_ = FitReports(std::move(reports), options.solver);
-  values_ = CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
+  values_ =
+      CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
   problem_ = std::move(problem);
 }
 
@@ -270,17 +299,19 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivat
   const Problem& p = *problem_;
   const int blocks = second ? dimension() * (dimension() + 1) / 2 : dimension();
   std::vector<Scalar> values(p.neighbours.indices.size() * static_cast<std::size_t>(blocks));
-  const ShapeProblem<Scalar> problem{p.particles, p.targets, p.neighbours, p.domain, p.support_factor, p.axis_scale};
-  parallel_blocks(p.targets.size(), targets_per_block, p.threads, [&](std::size_t begin, std::size_t end) {
-    ShapeRows<Scalar> rows;
-    (second ? rows.hessian : rows.gradient) = values.data();
-    rows.kind = kind;
-    p.kernel->evaluate(problem, begin, end, rows);
-  });
+  const ShapeProblem<Scalar> problem{p.particles, p.targets,        p.neighbours,
+                                     p.domain,    p.support_factor, p.axis_scale};
+  parallel_blocks(p.targets.size(), targets_per_block, p.threads,
+                  [&](std::size_t begin, std::size_t end) {
+                    ShapeRows<Scalar> rows;
+                    (second ? rows.hessian : rows.gradient) = values.data();
+                    rows.kind = kind;
+                    p.kernel->evaluate(problem, begin, end, rows);
+                  });
   // The value of the nearest particle is constant about the target.
   for (const std::uint32_t t : p.nearest_rows)
-    std::fill(values.begin() + p.neighbours.offsets[t] * blocks, values.begin() + p.neighbours.offsets[t + 1] * blocks,
-              Scalar(0));
+    std::fill(values.begin() + p.neighbours.offsets[t] * blocks,
+              values.begin() + p.neighbours.offsets[t + 1] * blocks, Scalar(0));
   return CsrOperator<Scalar>(p.pattern, std::move(values), blocks, p.fill, p.threads);
 }
 

@@ -12,8 +12,8 @@ Box<Scalar> bounding_box(const PointsView<Scalar>& points, const char* name) {
     for (int d = 0; d < dimension; ++d) {
       const Scalar x = points(i, d);
       if (!std::isfinite(x))
-        detail::throw_invalid(std::string("coordinate ") + "xyz"[d] + " of point " + std::to_string(i) +
-                                  " of the " + name,
+        detail::throw_invalid(std::string("coordinate ") + "xyz"[d] + " of point " +
+                                  std::to_string(i) + " of the " + name,
                               x, "must be finite");
       box.add(d, x);
     }

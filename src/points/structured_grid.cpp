@@ -13,16 +13,19 @@ constexpr double most_nodes = 4294967294.0;  // 2^32 - 2: node numbers are 32-bi
 
 template <class Scalar>
 void StructuredGrid<Scalar>::validate() const {
-  require(dimension >= 1 && dimension <= max_dimension, "dimension of the grid", dimension, "must be 1, 2 or 3");
+  require(dimension >= 1 && dimension <= max_dimension, "dimension of the grid", dimension,
+          "must be 1, 2 or 3");
   double nodes = 1;
   for (int d = 0; d < max_dimension; ++d) {
-    require(std::isfinite(spacing[d]) && spacing[d] > 0, "grid spacing", spacing[d], "must be positive and finite");
+    require(std::isfinite(spacing[d]) && spacing[d] > 0, "grid spacing", spacing[d],
+            "must be positive and finite");
     require(std::isfinite(origin[d]), "grid origin", origin[d], "must be finite");
-    require(counts[d] >= 1 && (d < dimension || counts[d] == 1), "grid nodes along an axis", counts[d],
-            "must be at least 1, and 1 on axes that the grid does not have");
+    require(counts[d] >= 1 && (d < dimension || counts[d] == 1), "grid nodes along an axis",
+            counts[d], "must be at least 1, and 1 on axes that the grid does not have");
     nodes *= static_cast<double>(counts[d]);
   }
-  require(nodes <= most_nodes, "grid nodes", nodes, "must be at most 2^32 - 2 (choose a larger spacing)");
+  require(nodes <= most_nodes, "grid nodes", nodes,
+          "must be at most 2^32 - 2 (choose a larger spacing)");
 }
 
 template <class Scalar>
@@ -39,8 +42,10 @@ typename StructuredGrid<Scalar>::Nodes StructuredGrid<Scalar>::nodes() const {
 }
 
 template <class Scalar>
-StructuredGrid<Scalar> covering_grid(const Box<Scalar>& box, Scalar spacing, const PeriodicDomain<Scalar>& domain) {
-  require(std::isfinite(spacing) && spacing > 0, "grid spacing", spacing, "must be positive and finite");
+StructuredGrid<Scalar> covering_grid(const Box<Scalar>& box, Scalar spacing,
+                                     const PeriodicDomain<Scalar>& domain) {
+  require(std::isfinite(spacing) && spacing > 0, "grid spacing", spacing,
+          "must be positive and finite");
   require(!box.is_empty(), "box of the grid", "empty", "must contain a point");
   StructuredGrid<Scalar> grid;
   grid.dimension = box.dimension;
@@ -49,18 +54,21 @@ StructuredGrid<Scalar> covering_grid(const Box<Scalar>& box, Scalar spacing, con
     double count;
     if (domain.periodic[d]) {
       // Round up, but do not let rounding of period / spacing add a cell.
-      count = std::max(1.0, std::ceil(static_cast<double>(domain.period(d)) / spacing * (1 - 1e-6)));
+      count =
+          std::max(1.0, std::ceil(static_cast<double>(domain.period(d)) / spacing * (1 - 1e-6)));
       grid.origin[d] = domain.lower[d];
       grid.spacing[d] = domain.period(d) / static_cast<Scalar>(count);
     } else {
       const double first = std::floor(static_cast<double>(box.lower[d]) / spacing + 1e-6);
-      const double last = std::max(first, std::ceil(static_cast<double>(box.upper[d]) / spacing - 1e-6));
+      const double last =
+          std::max(first, std::ceil(static_cast<double>(box.upper[d]) / spacing - 1e-6));
       count = last - first + 1;
       grid.origin[d] = static_cast<Scalar>(first * spacing);
       grid.spacing[d] = spacing;
     }
     nodes *= count;
-    require(nodes <= most_nodes, "grid spacing", spacing, "gives more than 2^32 - 2 nodes: choose a larger one");
+    require(nodes <= most_nodes, "grid spacing", spacing,
+            "gives more than 2^32 - 2 nodes: choose a larger one");
     grid.counts[d] = static_cast<std::size_t>(count);
   }
   grid.validate();
@@ -69,7 +77,9 @@ StructuredGrid<Scalar> covering_grid(const Box<Scalar>& box, Scalar spacing, con
 
 template struct StructuredGrid<float>;
 template struct StructuredGrid<double>;
-template StructuredGrid<float> covering_grid(const Box<float>&, float, const PeriodicDomain<float>&);
-template StructuredGrid<double> covering_grid(const Box<double>&, double, const PeriodicDomain<double>&);
+template StructuredGrid<float> covering_grid(const Box<float>&, float,
+                                             const PeriodicDomain<float>&);
+template StructuredGrid<double> covering_grid(const Box<double>&, double,
+                                              const PeriodicDomain<double>&);
 
 }  // namespace recon

@@ -1,4 +1,5 @@
-// The shape-function kernel for one dimension; compiled once per scalar and dimension (kernel_*.cpp).
+// The shape-function kernel for one dimension; compiled once per scalar and dimension
+// (kernel_*.cpp).
 #pragma once
 
 #include <algorithm>
@@ -24,7 +25,8 @@ class Kernel final : public ShapeKernel<Scalar> {
     const bool slopes = rows.gradient && rows.kind == Derivative::exact;
 
     for (std::size_t t = begin; t < end; ++t) {
-      const std::int64_t row = problem.neighbours.offsets[t], row_end = problem.neighbours.offsets[t + 1];
+      const std::int64_t row = problem.neighbours.offsets[t],
+                         row_end = problem.neighbours.offsets[t + 1];
       if (rows.value) std::fill(rows.value + row, rows.value + row_end, Scalar(0));
       if (rows.gradient) std::fill(rows.gradient + row * D, rows.gradient + row_end * D, Scalar(0));
       if (rows.hessian)
@@ -42,7 +44,8 @@ class Kernel final : public ShapeKernel<Scalar> {
       out.kind = rows.kind;
       out.value = values.data();
       for (int d = 0; d < D && rows.gradient; ++d) out.gradient[d] = values.data() + (1 + d) * n;
-      for (int i = 0; i < seconds && rows.hessian; ++i) out.hessian[i] = values.data() + (1 + D + i) * n;
+      for (int i = 0; i < seconds && rows.hessian; ++i)
+        out.hessian[i] = values.data() + (1 + D + i) * n;
       solve.shape_functions(cloud, out);
 
       for (int p = 0; p < n; ++p) {
@@ -53,13 +56,15 @@ class Kernel final : public ShapeKernel<Scalar> {
         int i = 0;
         for (int a = 0; a < D && rows.hessian; ++a)
           for (int b = a; b < D; ++b, ++i)
-            rows.hessian[entry * seconds + i] = out.hessian[i][p] * problem.axis_scale[a] * problem.axis_scale[b];
+            rows.hessian[entry * seconds + i] =
+                out.hessian[i][p] * problem.axis_scale[a] * problem.axis_scale[b];
       }
     }
   }
 
  private:
-  void gather(const ShapeProblem<Scalar>& problem, std::size_t t, bool slopes, Stencil<Scalar, D>& stencil) const {
+  void gather(const ShapeProblem<Scalar>& problem, std::size_t t, bool slopes,
+              Stencil<Scalar, D>& stencil) const {
     const auto& list = problem.neighbours;
     const std::array<Scalar, D> x = problem.targets.template point<D>(t);
     const ParticleIndex* index = list.indices.data() + list.offsets[t];
@@ -71,7 +76,8 @@ class Kernel final : public ShapeKernel<Scalar> {
       } else {
         const ImageShift* shift = list.shifts.data() + list.offsets[t];
         const Scalar period = problem.domain.period(d);
-        stencil.set_offsets(d, [&](int p) { return (axis[index[p]] - x[d]) + shift[p][d] * period; });
+        stencil.set_offsets(d,
+                            [&](int p) { return (axis[index[p]] - x[d]) + shift[p][d] * period; });
       }
     }
     stencil.weigh(choice_.weight, choice_.form, slopes, problem.support_factor);
@@ -83,12 +89,18 @@ class Kernel final : public ShapeKernel<Scalar> {
 template <class Scalar, int D>
 std::unique_ptr<ShapeKernel<Scalar>> make_kernel(const ShapeChoice& choice) {
   switch (choice.degree) {
-    case 0: return std::make_unique<Kernel<Scalar, D, 0>>(choice);
-    case 1: return std::make_unique<Kernel<Scalar, D, 1>>(choice);
-    case 2: return std::make_unique<Kernel<Scalar, D, 2>>(choice);
-    case 3: return std::make_unique<Kernel<Scalar, D, 3>>(choice);
-    case 4: return std::make_unique<Kernel<Scalar, D, 4>>(choice);
-    default: throw_invalid("degree", choice.degree, "must be 0 to 4");
+    case 0:
+      return std::make_unique<Kernel<Scalar, D, 0>>(choice);
+    case 1:
+      return std::make_unique<Kernel<Scalar, D, 1>>(choice);
+    case 2:
+      return std::make_unique<Kernel<Scalar, D, 2>>(choice);
+    case 3:
+      return std::make_unique<Kernel<Scalar, D, 3>>(choice);
+    case 4:
+      return std::make_unique<Kernel<Scalar, D, 4>>(choice);
+    default:
+      throw_invalid("degree", choice.degree, "must be 0 to 4");
   }
 }
 

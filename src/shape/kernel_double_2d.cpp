@@ -1,3 +1,4 @@
 #include "shape/kernel.hpp"
 
-template std::unique_ptr<recon::ShapeKernel<double>> recon::detail::make_kernel<double, 2>(const ShapeChoice&);
+template std::unique_ptr<recon::ShapeKernel<double>> recon::detail::make_kernel<double, 2>(
+    const ShapeChoice&);

@@ -1,3 +1,4 @@
 #include "shape/kernel.hpp"
 
-template std::unique_ptr<recon::ShapeKernel<float>> recon::detail::make_kernel<float, 3>(const ShapeChoice&);
+template std::unique_ptr<recon::ShapeKernel<float>> recon::detail::make_kernel<float, 3>(
+    const ShapeChoice&);

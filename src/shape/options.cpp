@@ -9,15 +9,16 @@ void Options::validate() const {
   for (const double factor : stretch)
     require(std::isfinite(factor) && factor > 0, "stretch", factor, "must be positive and finite");
   require(grow.steps >= 0, "grow.steps", grow.steps, "must not be negative");
-  require(std::isfinite(grow.factor) && grow.factor > 1, "grow.factor", grow.factor, "must exceed 1");
+  require(std::isfinite(grow.factor) && grow.factor > 1, "grow.factor", grow.factor,
+          "must exceed 1");
   require(tolerances.rank > 0 && tolerances.rank < 1, "tolerances.rank", tolerances.rank,
           "must lie between 0 and 1");
   require(tolerances.leverage > 1, "tolerances.leverage", tolerances.leverage, "must exceed 1");
   require(threads >= 0, "threads", threads, "must not be negative (0: all there are)");
-  require(form == WeightForm::radial || form == WeightForm::tensor_product, "form", static_cast<int>(form),
-          "must be an enumerator of recon::WeightForm");
-  require(static_cast<int>(solver) <= static_cast<int>(Solver::svd), "solver", static_cast<int>(solver),
-          "must be an enumerator of recon::Solver");
+  require(form == WeightForm::radial || form == WeightForm::tensor_product, "form",
+          static_cast<int>(form), "must be an enumerator of recon::WeightForm");
+  require(static_cast<int>(solver) <= static_cast<int>(Solver::svd), "solver",
+          static_cast<int>(solver), "must be an enumerator of recon::Solver");
 }
 
 }  // namespace recon

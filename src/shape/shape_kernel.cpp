@@ -12,10 +12,14 @@ std::unique_ptr<ShapeKernel<Scalar>> make_kernel(const ShapeChoice& choice);  //
 template <class Scalar>
 std::unique_ptr<ShapeKernel<Scalar>> make_shape_kernel(int dimension, const ShapeChoice& choice) {
   switch (dimension) {
-    case 1: return detail::make_kernel<Scalar, 1>(choice);
-    case 2: return detail::make_kernel<Scalar, 2>(choice);
-    case 3: return detail::make_kernel<Scalar, 3>(choice);
-    default: detail::throw_invalid("dimension", dimension, "must be 1, 2 or 3");
+    case 1:
+      return detail::make_kernel<Scalar, 1>(choice);
+    case 2:
+      return detail::make_kernel<Scalar, 2>(choice);
+    case 3:
+      return detail::make_kernel<Scalar, 3>(choice);
+    default:
+      detail::throw_invalid("dimension", dimension, "must be 1, 2 or 3");
   }
 }
 

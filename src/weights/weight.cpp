@@ -15,11 +15,16 @@ struct Named {
 };
 
 constexpr std::array named{
-    Named{Weight::linear_b_spline, "linear"},       Named{Weight::quadratic_b_spline, "quadratic"},
-    Named{Weight::cubic_b_spline, "cubic"},         Named{Weight::quartic_b_spline, "quartic"},
-    Named{Weight::quintic_b_spline, "quintic"},     Named{Weight::wendland_c0, "wendland_c0"},
-    Named{Weight::wendland_c2, "wendland_c2"},      Named{Weight::wendland_c4, "wendland_c4"},
-    Named{Weight::wendland_c6, "wendland_c6"},      Named{Weight::gaussian, "gaussian"},
+    Named{Weight::linear_b_spline, "linear"},
+    Named{Weight::quadratic_b_spline, "quadratic"},
+    Named{Weight::cubic_b_spline, "cubic"},
+    Named{Weight::quartic_b_spline, "quartic"},
+    Named{Weight::quintic_b_spline, "quintic"},
+    Named{Weight::wendland_c0, "wendland_c0"},
+    Named{Weight::wendland_c2, "wendland_c2"},
+    Named{Weight::wendland_c4, "wendland_c4"},
+    Named{Weight::wendland_c6, "wendland_c6"},
+    Named{Weight::gaussian, "gaussian"},
     Named{Weight::inverse_distance, "inverse_distance"},
 };
 
@@ -31,24 +36,38 @@ constexpr auto weights = [] {
 
 WeightFunction make(Weight weight) {
   switch (weight) {
-    case Weight::linear_b_spline: return BSpline<1>{};
-    case Weight::quadratic_b_spline: return BSpline<2>{};
-    case Weight::cubic_b_spline: return BSpline<3>{};
-    case Weight::quartic_b_spline: return BSpline<4>{};
-    case Weight::quintic_b_spline: return BSpline<5>{};
-    case Weight::wendland_c0: return Wendland<0>{};
-    case Weight::wendland_c2: return Wendland<2>{};
-    case Weight::wendland_c4: return Wendland<4>{};
-    case Weight::wendland_c6: return Wendland<6>{};
-    case Weight::gaussian: return Gaussian{};
-    case Weight::inverse_distance: return InverseDistance{};
+    case Weight::linear_b_spline:
+      return BSpline<1>{};
+    case Weight::quadratic_b_spline:
+      return BSpline<2>{};
+    case Weight::cubic_b_spline:
+      return BSpline<3>{};
+    case Weight::quartic_b_spline:
+      return BSpline<4>{};
+    case Weight::quintic_b_spline:
+      return BSpline<5>{};
+    case Weight::wendland_c0:
+      return Wendland<0>{};
+    case Weight::wendland_c2:
+      return Wendland<2>{};
+    case Weight::wendland_c4:
+      return Wendland<4>{};
+    case Weight::wendland_c6:
+      return Wendland<6>{};
+    case Weight::gaussian:
+      return Gaussian{};
+    case Weight::inverse_distance:
+      return InverseDistance{};
   }
-  detail::throw_invalid("weight", static_cast<int>(weight), "must be an enumerator of recon::Weight");
+  detail::throw_invalid("weight", static_cast<int>(weight),
+                        "must be an enumerator of recon::Weight");
 }
 
 }  // namespace
 
-std::span<const Weight> all_weights() { return weights; }
+std::span<const Weight> all_weights() {
+  return weights;
+}
 
 std::string_view name_of(Weight weight) {
   for (const Named& entry : named)

@@ -1,12 +1,13 @@
 // Graded monomials: the polynomial basis of every fit.
 //
 // For a target x and support rho the basis is written in xi = (x_p - x) / rho, no unit, so that all
-// terms are of the order of one and nothing depends on where the origin is. The terms are ordered by degree,
-// and within a degree lexicographically; in 3-D
+// terms are of the order of one and nothing depends on where the origin is. The terms are ordered
+// by degree, and within a degree lexicographically; in 3-D
 //     1 | x y z | xx xy xz yy yz zz | ...
 // Degree 0 reproduces constants (Shepard), degree 1 linear fields, and so on; there are
-// C(degree + D, D) terms. At the target xi = 0, so that the value of the fit there is the coefficient of
-// 1, its gradient that of x, y, z divided by rho, and so on (the Taylor coefficients of the fit).
+// C(degree + D, D) terms. At the target xi = 0, so that the value of the fit there is the
+// coefficient of 1, its gradient that of x, y, z divided by rho, and so on (the Taylor coefficients
+// of the fit).
 #pragma once
 
 #include <array>
@@ -27,8 +28,11 @@ constexpr int term_count(int dimension, int degree) {
 
 }  // namespace detail
 
-// The number of monomials in `dimension` variables of degree at most `degree`: C(degree + dim, dim).
-constexpr int monomial_count(int dimension, int degree) { return detail::term_count(dimension, degree); }
+// The number of monomials in `dimension` variables of degree at most `degree`: C(degree + dim,
+// dim).
+constexpr int monomial_count(int dimension, int degree) {
+  return detail::term_count(dimension, degree);
+}
 
 template <int D, int R>
 struct Monomials {
@@ -100,8 +104,9 @@ struct Monomials {
 };
 
 // A basis of your own. Terms come in blocks of rising degree (begin), the first block being the
-// constant 1 alone; evaluate() gives all terms at xi; origin() their Taylor coefficients at xi = 0 up to
-// order 2, numbered 1 | x y z | xx xy ... (xx is half the second derivative, xy the mixed one).
+// constant 1 alone; evaluate() gives all terms at xi; origin() their Taylor coefficients at xi = 0
+// up to order 2, numbered 1 | x y z | xx xy ... (xx is half the second derivative, xy the mixed
+// one).
 template <class B>
 concept Basis = requires(const std::array<double, B::dimension>& xi, double* values) {
   { B::dimension } -> std::convertible_to<int>;

@@ -1,8 +1,9 @@
 // Wrong input, answered with an exception that names the argument, its value and the rule it broke.
 //
-// recon keeps two kinds of trouble apart. Wrong input (sizes that disagree, NaN, a negative support,
-// an unknown name) throws InvalidArgument. A numerical outcome (too few neighbours, rank loss) is not
-// an error: it is data, and stands in the FitReport of its target (local_solve/report.hpp).
+// recon keeps two kinds of trouble apart. Wrong input (sizes that disagree, NaN, a negative
+// support, an unknown name) throws InvalidArgument. A numerical outcome (too few neighbours, rank
+// loss) is not an error: it is data, and stands in the FitReport of its target
+// (local_solve/report.hpp).
 #pragma once
 
 #include <sstream>
@@ -47,7 +48,8 @@ template <class Value>
 
 }  // namespace detail
 
-// Throws InvalidArgument(argument, value, rule) unless `holds`. The texts are built only on failure.
+// Throws InvalidArgument(argument, value, rule) unless `holds`. The texts are built only on
+// failure.
 template <class Value>
 void require(bool holds, const char* argument, const Value& value, const char* rule) {
   if (!holds) [[unlikely]]

@@ -12,9 +12,10 @@ namespace recon {
 // `b` (optimal string alignment distance), ignoring case. Cost O(|a| |b|).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// At most `most` of the candidates that are near enough to `word` to be a slip of it, nearest first:
-// edit distance at most a third of the longer of the two, or one contained in the other.
-std::vector<std::string> nearest_names(std::string_view word, std::span<const std::string> candidates,
+// At most `most` of the candidates that are near enough to `word` to be a slip of it, nearest
+// first: edit distance at most a third of the longer of the two, or one contained in the other.
+std::vector<std::string> nearest_names(std::string_view word,
+                                       std::span<const std::string> candidates,
                                        std::size_t most = 3);
 
 // "did you mean 'vx' or 'vy'?", or "valid: vx, vy, vz" where nothing is near. Never empty unless

@@ -1,23 +1,28 @@
-// Graded Gram-Schmidt: the improved moving least squares (IMLS) of Tran et al. (2019, eq. 17-19), made
-// robust to every degenerate neighbourhood.
+// Graded Gram-Schmidt: the improved moving least squares (IMLS) of Tran et al. (2019, eq. 17-19),
+// made robust to every degenerate neighbourhood.
 //
-// The terms of the basis, times sqrt(w_p), are orthonormalised degree by degree, the constant first; each is
-// projected twice ("twice is enough"), because one pass in rounding error loses the orthogonality that
-// everything else relies on. Where all terms are clearly independent this is all there is to do.
+// The terms of the basis, times sqrt(w_p), are orthonormalised degree by degree, the constant
+// first; each is projected twice ("twice is enough"), because one pass in rounding error loses the
+// orthogonality that everything else relies on. Where all terms are clearly independent this is all
+// there is to do.
 //
-// Where they are not, the degrees are worked through again as whole blocks. Of the block of degree k, less its
-// part in the lower degrees, the singular directions are found, and a direction is dropped when
-//   - its independent part is at most `rank` (or the rounding of the coordinates) times its size: the
+// Where they are not, the degrees are worked through again as whole blocks. Of the block of degree
+// k, less its part in the lower degrees, the singular directions are found, and a direction is
+// dropped when
+//   - its independent part is at most `rank` (or the rounding of the coordinates) times its size:
+//   the
 //     particles do not resolve it, as y on a line of particles y = const; or
-//   - its leverage |P(0)| sqrt(sum w) / ||P|| exceeds `leverage`: the target lies so far outside the particles in
-//     this direction that the fit would amplify noise by that factor.
-// The rest goes on. So the constant is never lost (partition of unity survives anything), and a cloud on a line is still
-// reproduced to the asked degree along the line. Dropping singular directions instead of single monomials
-// makes the result independent of the choice of axes: the directions dropped in degree k are the leading
-// forms of the polynomials that vanish on the particles, and with the monomials scaled by
-// sqrt(k! / alpha!) what is kept is the complement in an inner product that rotations leave alone.
-// A linear direction that is dropped takes its products with it: the higher degrees are built
-// from the kept linear directions only.
+//   - the leverage |P(0)| sqrt(sum w) / ||P|| of it, together with the directions of comparable
+//   size (singular
+//     values within a factor of two of the next), exceeds `leverage`: the target lies so far
+//     outside the particles in this direction that the fit would amplify noise by that factor.
+// The rest goes on. So the constant is never lost (partition of unity survives anything), and a
+// cloud on a line is still reproduced to the asked degree along the line. Dropping singular
+// directions instead of single monomials makes the result independent of the choice of axes: the
+// directions dropped in degree k are the leading forms of the polynomials that vanish on the
+// particles, and with the monomials scaled by sqrt(k! / alpha!) what is kept is the complement in
+// an inner product that rotations leave alone. A linear direction that is dropped takes its
+// products with it: the higher degrees are built from the kept linear directions only.
 //
 // Cost: 4 n m^2 multiplications for n particles and m terms; the block path about three times that.
 #pragma once
@@ -41,9 +46,12 @@ inline constexpr bool is_monomials = false;
 template <int D, int R>
 inline constexpr bool is_monomials<Monomials<D, R>> = true;
 
-constexpr double factorial_of(int n) { return n < 2 ? 1.0 : n * factorial_of(n - 1); }
+constexpr double factorial_of(int n) {
+  return n < 2 ? 1.0 : n * factorial_of(n - 1);
+}
 
-// sqrt(k! / alpha!): with these factors the monomials of degree k turn orthogonally when the axes do.
+// sqrt(k! / alpha!): with these factors the monomials of degree k turn orthogonally when the axes
+// do.
 template <std::size_t D>
 double rotation_scale(const std::array<std::uint8_t, D>& exponents) {
   double scale = 1;
@@ -92,15 +100,16 @@ class GramSchmidt {
     return sum;
   }
 
-  // The plain graded algorithm. False where a term is not clearly independent, or the whole fit amplifies
-  // more than a single direction may: then the blocks need a closer look.
-  bool fit_regular(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds, FitReport& report) {
+  // The plain graded algorithm. False where a term is not clearly independent, or the whole fit
+  // amplifies more than a single direction may: then the blocks need a closer look.
+  bool fit_regular(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
+                   FitReport& report) {
     const int n = cloud.size;
     const T* root = fit_.root_weights();
     weight_sum_ = std::accumulate(cloud.w, cloud.w + n, T(0));
     if (n < B::size) return false;
-    const T regular = std::max(std::sqrt(std::numeric_limits<T>::epsilon()), T(100) * thresholds.drop * thresholds.drop);
-    const T shortest = regular * weight_sum_;  // of the linear terms, which have a size of their own
+    const T clear2 = thresholds.clear2;
+    const T shortest = clear2 * weight_sum_;  // of the linear terms, which have a size of their own
 
     terms_.resize(static_cast<std::size_t>(B::size) * n);
     for (int p = 0; p < n; ++p) {
@@ -119,19 +128,22 @@ class GramSchmidt {
       fit_.project_out(column, jet, j);
       fit_.project_out(column, jet, j);
       const T part = dot(column, column, n);
-      if (!(part > regular * whole) || (B::degree >= 1 && j < B::begin(2) && !(part > shortest))) return false;
+      if (!(part > clear2 * whole) || (B::degree >= 1 && j < B::begin(2) && !(part > shortest)))
+        return false;
       smallest = std::min(smallest, part / whole);
       scale(column, jet, T(1) / std::sqrt(part), n);
       fit_.keep();
     }
-    if (!(weight_sum_ * fit_.christoffel() <= T(tolerances_.leverage * tolerances_.leverage))) return false;
+    if (!(weight_sum_ * fit_.christoffel() <= T(tolerances_.leverage * tolerances_.leverage)))
+      return false;
     report.rcond = static_cast<float>(smallest);
     detail::report_full<B>(report);
     return true;
   }
 
   // Degree by degree, each as a block of singular directions.
-  void fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds, FitReport& report) {
+  void fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
+                  FitReport& report) {
     const int n = cloud.size;
     const T* root = fit_.root_weights();
     const T root_sum = std::sqrt(weight_sum_);
@@ -148,14 +160,15 @@ class GramSchmidt {
     report.kept[0] = 1;
 
     T smallest = T(1), drop = thresholds.drop;
-    T floor = T(64) * cloud.noise * root_sum;  // what rounding of the coordinates alone amounts to
+    T floor = detail::rounding_margin<T> * cloud.noise * root_sum;  // what rounding of the coordinates alone amounts to
     for (int k = 1; k <= B::degree && fit_.rank() < n; ++k) {
       const int columns = fill_block(cloud, k, report.kept[1]);
       const int lower = fit_.rank();
       removed_.assign(static_cast<std::size_t>(columns) * B::size, T(0));
       for (int c = 0; c < columns; ++c)
         for (int pass = 0; pass < 2; ++pass)
-          fit_.project_out(block_column(c, n), block_jets_[c], lower, removed_.data() + c * B::size);
+          fit_.project_out(block_column(c, n), block_jets_[c], lower,
+                           removed_.data() + c * B::size);
       make_orthogonal(columns, lower, n);
 
       std::array<int, B::size> order;
@@ -164,25 +177,37 @@ class GramSchmidt {
         order[c] = c;
         size[c] = std::sqrt(dot(block_column(c, n), block_column(c, n), n));
       }
-      std::stable_sort(order.begin(), order.begin() + columns, [&](int a, int b) { return size[a] > size[b]; });
+      std::stable_sort(order.begin(), order.begin() + columns,
+                       [&](int a, int b) { return size[a] > size[b]; });
       T shortest = size[order[0]];
-      for (int i = 0; i < columns && fit_.rank() < n; ++i) {
-        const int c = order[i];
-        const T* removed = removed_.data() + c * B::size;
-        const T whole = std::sqrt(size[c] * size[c] + dot(removed, removed, lower));
-        const bool resolved = size[c] > drop * whole && size[c] > floor;
-        const bool inside = std::abs(block_jets_[c][0]) * root_sum <= T(tolerances_.leverage) * size[c];
-        if (!resolved || !inside) continue;
-        if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
-        ++report.kept[k];
-        shortest = std::min(shortest, size[c]);
-        smallest = std::min(smallest, (size[c] / whole) * (size[c] / whole));
+      for (int i = 0; i < columns && fit_.rank() < n;) {
+        // Directions of comparable size stand or fall together: which of them is which is
+        // arbitrary.
+        int end = i;
+        T leverage2 = T(0);
+        do {
+          const T share = block_jets_[order[end]][0] * root_sum / size[order[end]];
+          leverage2 += share * share;
+          ++end;
+        } while (end < columns && T(2) * size[order[end]] > size[order[end - 1]]);
+        const bool inside = leverage2 <= T(tolerances_.leverage * tolerances_.leverage);
+        for (; i < end; ++i) {
+          const int c = order[i];
+          const T* removed = removed_.data() + c * B::size;
+          const T whole = std::sqrt(size[c] * size[c] + dot(removed, removed, lower));
+          const bool resolved = size[c] > drop * whole && size[c] > floor;
+          if (!inside || !resolved || fit_.rank() >= n) continue;
+          if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
+          ++report.kept[k];
+          shortest = std::min(shortest, size[c]);
+          smallest = std::min(smallest, (size[c] / whole) * (size[c] / whole));
+        }
       }
       if (k == 1) {
         if (report.kept[1] == 0) break;
-        // In the higher degrees rounding counts relative to the thinnest kept extent of the cloud, and
-        // sizes are powers of that extent: only the relative test makes sense.
-        drop = std::max(drop, T(64) * cloud.noise * root_sum / shortest);
+        // In the higher degrees rounding counts relative to the thinnest kept extent of the cloud,
+        // and sizes are powers of that extent: only the relative test makes sense.
+        drop = std::max(drop, detail::rounding_margin<T> * cloud.noise * root_sum / shortest);
         floor = T(0);
       }
     }
@@ -192,8 +217,8 @@ class GramSchmidt {
 
   T* block_column(int c, int n) { return block_.data() + static_cast<std::size_t>(c) * n; }
 
-  // The columns sqrt(w_p) m(xi_p) of degree k with their jets; for monomials of degree 2 and more in the
-  // coordinates along the kept linear directions. Returns how many there are.
+  // The columns sqrt(w_p) m(xi_p) of degree k with their jets; for monomials of degree 2 and more
+  // in the coordinates along the kept linear directions. Returns how many there are.
   int fill_block(const LocalCloud<T, D>& cloud, int k, int linear_directions) {
     const int n = cloud.size;
     const T* root = fit_.root_weights();
@@ -235,7 +260,8 @@ class GramSchmidt {
         for (int c = 0; c < columns; ++c) block_column(c, n)[p] = root[p] * values[chosen[c]];
       }
       for (int c = 0; c < columns; ++c)
-        scale(block_column(c, n), block_jets_[c], T(detail::rotation_scale(B::exponents[chosen[c]])), n);
+        scale(block_column(c, n), block_jets_[c],
+              T(detail::rotation_scale(B::exponents[chosen[c]])), n);
       return columns;
     } else {
       for (int p = 0; p < n; ++p) {
@@ -249,11 +275,14 @@ class GramSchmidt {
     }
   }
 
-  // Taylor coefficients at the target of the monomial with these exponents in the rotated coordinates.
+  // Taylor coefficients at the target of the monomial with these exponents in the rotated
+  // coordinates.
   template <class Exponents>
-  static Jet rotated_jet(const Exponents& exponents, int k, const std::array<std::array<T, D>, D>& axes) {
+  static Jet rotated_jet(const Exponents& exponents, int k,
+                         const std::array<std::array<T, D>, D>& axes) {
     Jet jet{};
-    std::array<int, 2> factor{};  // the rotated coordinates that are multiplied, for degrees 1 and 2
+    std::array<int, 2>
+        factor{};  // the rotated coordinates that are multiplied, for degrees 1 and 2
     int factors = 0;
     for (int d = 0; d < D; ++d)
       for (int e = 0; e < exponents[d] && factors < 2; ++e) factor[factors++] = d;
@@ -270,8 +299,9 @@ class GramSchmidt {
     return jet;
   }
 
-  // One-sided Jacobi (Hestenes 1958): turns pairs of block columns until all are orthogonal; they are then the
-  // singular directions times their singular values. Jets and removed parts turn along.
+  // One-sided Jacobi (Hestenes 1958): turns pairs of block columns until all are orthogonal; they
+  // are then the singular directions times their singular values. Jets and removed parts turn
+  // along.
   void make_orthogonal(int columns, int lower, int n) {
     const T tolerance = T(4) * std::numeric_limits<T>::epsilon();
     for (int sweep = 0; sweep < 30; ++sweep) {
@@ -283,7 +313,8 @@ class GramSchmidt {
           if (!(std::abs(xy) > tolerance * std::sqrt(xx) * std::sqrt(yy))) continue;
           done = false;
           const T zeta = (yy - xx) / (T(2) * xy);
-          const T t = (zeta >= T(0) ? T(1) : T(-1)) / (std::abs(zeta) + std::sqrt(T(1) + zeta * zeta));
+          const T t =
+              (zeta >= T(0) ? T(1) : T(-1)) / (std::abs(zeta) + std::sqrt(T(1) + zeta * zeta));
           const T c = T(1) / std::sqrt(T(1) + t * t), s = c * t;
           const auto turn = [c, s](T* u, T* v, int count) {
             for (int i = 0; i < count; ++i) {
@@ -300,7 +331,8 @@ class GramSchmidt {
     }
   }
 
-  // Appends a direction of the given size, cleaned once more against all that is kept. False where nothing is left.
+  // Appends a direction of the given size, cleaned once more against all that is kept. False where
+  // nothing is left.
   bool keep_direction(const T* direction, Jet direction_jet, T size, int n) {
     T* column = fit_.next_column();
     std::copy(direction, direction + n, column);

@@ -1,14 +1,16 @@
 // One target's local least-squares problem: minimise sum_p w_p (sum_j a_j m_j(xi_p) - u_p)^2.
 //
-// Shapes: n particles, terms m_j of a basis (basis/monomials.hpp). What comes out are shape functions
+// Shapes: n particles, terms m_j of a basis (basis/monomials.hpp). What comes out are shape
+// functions
 //     phi_p = w_p m(xi_p)^T M^-1 m(0) ,   M = sum_p w_p m(xi_p) m(xi_p)^T   (the moment matrix),
 // so that the fit at the target is sum_p phi_p u_p (Gong 2015, eq. 3.8 with b(0); corrected form of
 // Tran et al. 2019, eq. 17), and their derivatives:
 //   diffuse  of the local polynomial, the target held:  d phi_p = w_p m_p^T M^-1 dm(0)
 //   exact    of x -> phi_p(x), through weights and solve:
-//     d phi_p = dw_p lambda_p + w_p m_p^T M^-1 (dm(0) - sum_q dw_q lambda_q m_q),  lambda_q = m_q^T M^-1 m(0).
-// The second form holds the basis still while the target moves, which is allowed because the space of
-// polynomials is the same about every point.
+//     d phi_p = dw_p lambda_p + w_p m_p^T M^-1 (dm(0) - sum_q dw_q lambda_q m_q),  lambda_q = m_q^T
+//     M^-1 m(0).
+// The second form holds the basis still while the target moves, which is allowed because the space
+// of polynomials is the same about every point.
 #pragma once
 
 #include <algorithm>
@@ -24,11 +26,11 @@ namespace recon {
 // Inputs of one fit; the arrays are the caller's. Only particles with w > 0.
 template <class T, int D>
 struct LocalCloud {
-  int size = 0;                            // n
-  std::array<const T*, D> xi{};            // scaled offsets (x_p - x) / rho, per axis, no unit
-  const T* w = nullptr;                    // weights, > 0, largest about 1
-  std::array<const T*, D> dw{};            // d w_p / d x along each axis, 1/length; null if not asked for
-  T rho = T(1);                            // support radius, a length
+  int size = 0;                  // n
+  std::array<const T*, D> xi{};  // scaled offsets (x_p - x) / rho, per axis, no unit
+  const T* w = nullptr;          // weights, > 0, largest about 1
+  std::array<const T*, D> dw{};  // d w_p / d x along each axis, 1/length; null if not asked for
+  T rho = T(1);                  // support radius, a length
   T noise = std::numeric_limits<T>::epsilon();  // rounding of xi: eps (|x| + rho) / rho
 
   std::array<T, D> at(int p) const {
@@ -41,7 +43,8 @@ struct LocalCloud {
 // When a term counts as unresolved. See gram_schmidt.hpp for what each does.
 struct FitTolerances {
   double rank = 1e-10;     // drop a direction whose independent part is below this fraction of it
-  double leverage = 30.0;  // drop a direction whose value at the target exceeds this times its size at the particles
+  double leverage = 30.0;  // drop a direction whose value at the target exceeds this times its size
+                           // at the particles
 };
 
 // Which derivatives of the shape functions to form.
@@ -53,7 +56,7 @@ template <class T, int D>
 struct ShapeArrays {
   T* value = nullptr;
   std::array<T*, D> gradient{};
-  std::array<T*, D * (D + 1) / 2> hessian{};
+  std::array<T*, D*(D + 1) / 2> hessian{};
   Derivative kind = Derivative::exact;
 
   bool wants_gradient() const { return gradient[0] != nullptr; }
@@ -62,22 +65,31 @@ struct ShapeArrays {
 
 namespace detail {
 
-// Thresholds in the precision T. `regular`: the fast paths accept a fit without a closer look above it.
+// How many times the rounding of the coordinates a direction must extend to count as more than rounding. On
+// particles that lie on a line or sphere up to rounding, the independent part measures 0.3 to 2 roundings.
+template <class T>
+inline constexpr T rounding_margin = T(8);
+
+// Thresholds in the precision T, all about the independent part of a term or direction relative to the whole of it.
 template <class T>
 struct Thresholds {
-  T drop;     // ||p|| / ||q|| at or below: not resolved
-  T regular;  // (||p|| / ||q||)^2 at or above: clearly resolved
+  T drop;              // ||p|| / ||q|| at or below: not resolved
+  T clear2;            // (||p|| / ||q||)^2 above: clearly resolved, no closer look needed
+  T well_conditioned;  // the same for a moment matrix, which loses digits in proportion to 1 / pivot
 
   Thresholds(const FitTolerances& tolerances, T noise) {
     const T eps = std::numeric_limits<T>::epsilon();
-    drop = std::max(static_cast<T>(tolerances.rank), T(64) * std::max(eps, noise));
-    // A moment matrix loses digits in proportion to 1 / pivot: a quarter of the digits may go.
-    regular = std::sqrt(std::sqrt(eps));
+    drop = std::max(static_cast<T>(tolerances.rank), rounding_margin<T> * std::max(eps, noise));
+    const T margin = T(100) * drop * drop;
+    clear2 = std::max(std::sqrt(eps), margin);
+    well_conditioned = std::max(std::sqrt(std::sqrt(eps)), margin);  // a quarter of the digits may go
   }
 };
 
 // Taylor coefficients of order <= 2 about the target, numbered as the monomials of degree <= 2.
-constexpr int jet_size(int dimension) { return 1 + dimension + dimension * (dimension + 1) / 2; }
+constexpr int jet_size(int dimension) {
+  return 1 + dimension + dimension * (dimension + 1) / 2;
+}
 
 // Fills the parts of a report that follow from how many directions of each degree were kept.
 template <class B>

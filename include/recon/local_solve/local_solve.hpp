@@ -1,11 +1,12 @@
-// One local fit with any solver, including the hand-over of what a solver cannot do to Gram-Schmidt.
+// One local fit with any solver, including the hand-over of what a solver cannot do to
+// Gram-Schmidt.
 //
 //   LocalSolve<double, Monomials<3, 1>> solve(Solver::moment_matrix);
 //   FitReport report = solve.fit(cloud);            // cloud: LocalCloud, the caller's arrays
 //   solve.shape_functions(cloud, {.value = phi});   // phi[p] for each particle
 //
-// T is any type with arithmetic and square roots (float, double, long double); B any Basis. Objects keep
-// their work space from target to target: one per thread, no allocation once warm.
+// T is any type with arithmetic and square roots (float, double, long double); B any Basis. Objects
+// keep their work space from target to target: one per thread, no allocation once warm.
 #pragma once
 
 #include "recon/local_solve/gram_schmidt.hpp"
@@ -20,13 +21,17 @@ class LocalSolve {
   static constexpr int D = B::dimension;
 
   explicit LocalSolve(Solver solver, FitTolerances tolerances = {})
-      : solver_(solver), moment_matrix_(tolerances), gram_schmidt_(tolerances), reference_(solver, tolerances) {}
+      : solver_(solver),
+        moment_matrix_(tolerances),
+        gram_schmidt_(tolerances),
+        reference_(solver, tolerances) {}
 
   FitReport fit(const LocalCloud<T, D>& cloud) {
     FitReport report;
     used_ = solver_;
     if (solver_ == Solver::moment_matrix && moment_matrix_.fit(cloud, report)) return report;
-    if ((solver_ == Solver::qr || solver_ == Solver::svd) && reference_.fit(cloud, report)) return report;
+    if ((solver_ == Solver::qr || solver_ == Solver::svd) && reference_.fit(cloud, report))
+      return report;
     used_ = Solver::gram_schmidt;
     return gram_schmidt_.fit(cloud);
   }

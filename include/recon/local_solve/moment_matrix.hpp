@@ -1,14 +1,15 @@
-// Moving least squares by the moment matrix (Gong 2015, eq. 3.6-3.8): the fast way where it is safe.
+// Moving least squares by the moment matrix (Gong 2015, eq. 3.6-3.8): the fast way where it is
+// safe.
 //
 //     M = sum_p w_p m_p m_p^T = L diag(d) L^T,   M c = m(0),   phi_p = w_p m_p^T c .
 // M is scaled to unit diagonal first. Each pivot is then the squared share of a term that is
-// independent of the terms before it, between 0 and 1; digits are lost in proportion to 1 / pivot. Where the
-// smallest pivot is below a quarter of the working precision (eps^(1/4)), or the fit would amplify data
-// errors by more than the leverage limit, the target is handed over to Gram-Schmidt: same answer
-// where both work, and a right one where this would not.
+// independent of the terms before it, between 0 and 1; digits are lost in proportion to 1 / pivot.
+// Where the smallest pivot is below a quarter of the working precision (eps^(1/4)), or the fit
+// would amplify data errors by more than the leverage limit, the target is handed over to
+// Gram-Schmidt: same answer where both work, and a right one where this would not.
 //
-// For monomials, M has only C(2 degree + D, D) different entries, the moments sum_p w_p xi^alpha: those are
-// summed. Cost: that many multiply-adds per particle, m^3 / 6 for the factors.
+// For monomials, M has only C(2 degree + D, D) different entries, the moments sum_p w_p xi^alpha:
+// those are summed. Cost: that many multiply-adds per particle, m^3 / 6 for the factors.
 #pragma once
 
 #include <array>
@@ -29,7 +30,8 @@ class MomentMatrix {
 
   explicit MomentMatrix(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
 
-  // Builds and factorises M. False where the target must be handed over; the report is then unfinished.
+  // Builds and factorises M. False where the target must be handed over; the report is then
+  // unfinished.
   bool fit(const LocalCloud<T, D>& cloud, FitReport& report) {
     report = {};
     report.solver = Solver::moment_matrix;
@@ -38,7 +40,7 @@ class MomentMatrix {
     assemble(cloud);
     const T weight_sum = lower_[0][0];
     const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
-    const T regular = std::max(thresholds.regular, T(100) * thresholds.drop * thresholds.drop);
+    const T regular = thresholds.well_conditioned;
     for (int j = 1; j < B::begin(2) && B::degree >= 1; ++j)
       if (!(lower_[j][j] > regular * regular * weight_sum)) return false;
     const T smallest = factorise();
@@ -78,7 +80,8 @@ class MomentMatrix {
       for (int a = 0; a < D; ++a)
         for (int b = a; b < D; ++b, ++entry) {
           for (int j = 0; j < m; ++j)
-            second[entry][j] = T(a == b ? 2 : 1) / (cloud.rho * cloud.rho) * T(B::origin(j, 1 + D + entry));
+            second[entry][j] =
+                T(a == b ? 2 : 1) / (cloud.rho * cloud.rho) * T(B::origin(j, 1 + D + entry));
           second[entry] = solve(second[entry]);
         }
     }
@@ -131,9 +134,7 @@ class MomentMatrix {
   }
 
   // Where the moment of the product of terms i and j stands.
-  static int place(int i, int j)
-    requires detail::is_monomials<B>
-  {
+  static int place(int i, int j) requires detail::is_monomials<B> {
     static constexpr auto table = [] {
       std::array<std::array<std::uint16_t, m>, m> all{};
       for (int a = 0; a < m; ++a)

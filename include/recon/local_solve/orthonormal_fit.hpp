@@ -1,7 +1,7 @@
 // A fit in an orthonormal basis: what Gram-Schmidt, QR and SVD have in common.
 //
-// Column u_j holds sqrt(w_p) P_j(xi_p) for a polynomial P_j, with u_i . u_j = delta_ij, so that the moment
-// matrix is the identity and
+// Column u_j holds sqrt(w_p) P_j(xi_p) for a polynomial P_j, with u_i . u_j = delta_ij, so that the
+// moment matrix is the identity and
 //     phi_p = sqrt(w_p) sum_j P_j(0) u_j(p)                      (Tran et al. 2019, eq. 17).
 // Beside each column stand the Taylor coefficients of P_j at the target (its jet), from which all
 // derivatives follow.
@@ -36,7 +36,8 @@ class OrthonormalFit {
   void start(const LocalCloud<T, D>& cloud, int terms) {
     n_ = cloud.size;
     rank_ = 0;
-    columns_.resize(static_cast<std::size_t>(terms + 1) * n_);  // one more: work space of derivatives
+    columns_.resize(static_cast<std::size_t>(terms + 1) *
+                    n_);  // one more: work space of derivatives
     jets_.resize(terms);
     root_.resize(n_);
     for (int p = 0; p < n_; ++p) root_[p] = std::sqrt(cloud.w[p]);
@@ -47,8 +48,8 @@ class OrthonormalFit {
   void keep() { ++rank_; }
   void clear() { rank_ = 0; }
 
-  // Removes from `column` (and its jet) its part in the span of the first `count` kept columns, once. With
-  // `removed`, adds what was taken away, column by column.
+  // Removes from `column` (and its jet) its part in the span of the first `count` kept columns,
+  // once. With `removed`, adds what was taken away, column by column.
   void project_out(T* column, Jet& jet, int count, T* removed = nullptr) const {
     // Classical: all products with the same vector first. Called twice it is as good as exact
     // ("twice is enough", Giraud, Langou, Rozloznik 2005).

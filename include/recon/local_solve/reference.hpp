@@ -1,9 +1,11 @@
-// Reference solvers on Eigen: pivoted Householder QR and SVD of the weighted basis A = diag(sqrt w) m.
+// Reference solvers on Eigen: pivoted Householder QR and SVD of the weighted basis A = diag(sqrt w)
+// m.
 //
-// Slow and simple, to check the others with and to compare cost against. With A P = Q R the orthonormal columns
-// are those of Q with jets R^-T P^T origin; with A = U S V^T those of U with jets S^-1 V^T origin. Both decide
-// rank by magnitude over all terms at once, which can lose even the constant; so a target that they find
-// deficient is handed over to Gram-Schmidt like an ill-conditioned moment matrix.
+// Slow and simple, to check the others with and to compare cost against. With A P = Q R the
+// orthonormal columns are those of Q with jets R^-T P^T origin; with A = U S V^T those of U with
+// jets S^-1 V^T origin. Both decide rank by magnitude over all terms at once, which can lose even
+// the constant; so a target that they find deficient is handed over to Gram-Schmidt like an
+// ill-conditioned moment matrix.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +23,8 @@ class ReferenceFit {
  public:
   static constexpr int D = B::dimension;
 
-  ReferenceFit(Solver solver, FitTolerances tolerances = {}) : solver_(solver), tolerances_(tolerances) {}
+  ReferenceFit(Solver solver, FitTolerances tolerances = {})
+      : solver_(solver), tolerances_(tolerances) {}
 
   // False where the target must be handed over; the report is then unfinished.
   bool fit(const LocalCloud<T, D>& cloud, FitReport& report) {
@@ -43,9 +46,10 @@ class ReferenceFit {
     // Columns of one length, as in the moment matrix scaled to unit diagonal.
     const Eigen::Matrix<T, 1, Eigen::Dynamic> length = a.colwise().norm();
     const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
-    const T shortest = T(100) * thresholds.drop * std::sqrt(weight_sum);
+    const T shortest = std::sqrt(thresholds.clear2 * weight_sum);
     for (int j = 0; j < B::size; ++j)
-      if (!(length[j] > T(0)) || (B::degree >= 1 && j < B::begin(2) && !(length[j] > shortest))) return false;
+      if (!(length[j] > T(0)) || (B::degree >= 1 && j < B::begin(2) && !(length[j] > shortest)))
+        return false;
     for (int j = 0; j < B::size; ++j) a.col(j) /= length[j];
     Matrix origin(B::size, detail::jet_size(D));
     for (int j = 0; j < B::size; ++j)
@@ -67,7 +71,7 @@ class ReferenceFit {
       q = svd.matrixU();
       jets = s.cwiseInverse().asDiagonal() * (svd.matrixV().transpose() * origin);
     }
-    if (!(smallest > T(100) * thresholds.drop)) return false;
+    if (!(smallest * smallest > thresholds.clear2)) return false;
     for (int j = 0; j < B::size; ++j) {
       std::copy(q.col(j).data(), q.col(j).data() + n, fit_.next_column());
       for (int c = 0; c < detail::jet_size(D); ++c) fit_.next_jet()[c] = jets(j, c);

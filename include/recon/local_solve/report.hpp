@@ -39,12 +39,12 @@ struct FitReport {
   std::int8_t degree = -1;       // all polynomials up to this degree are reproduced; -1: none
   FitStatus status = FitStatus::no_support;
   Solver solver = Solver::gram_schmidt;  // the one that gave the result
-  // Independent directions kept within each degree: {1, 1, 0} in 2-D is what a cloud on a line gives.
-  // kept[1] is the number of directions in which a gradient is resolved.
+  // Independent directions kept within each degree: {1, 1, 0} in 2-D is what a cloud on a line
+  // gives. kept[1] is the number of directions in which a gradient is resolved.
   std::array<std::uint8_t, max_degree + 1> kept{};
-  // Smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with p_j the part
-  // of term q_j that is independent of the terms before it. An upper bound of the reciprocal
-  // condition number; 1 for orthogonal terms, 0 where there is no fit.
+  // Smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with p_j
+  // the part of term q_j that is independent of the terms before it. An upper bound of the
+  // reciprocal condition number; 1 for orthogonal terms, 0 where there is no fit.
   float rcond = 0;
   // A bound of sum_p |phi_p|, the factor by which the fit can amplify errors in the data:
   // sqrt(sum_p w_p * e^T M^-1 e). 1 for Shepard; it grows as the target leaves the particles.

@@ -1,10 +1,12 @@
-// A linear map from particle data to targets, one sparse row per target: values, gradients, Hessians.
+// A linear map from particle data to targets, one sparse row per target: values, gradients,
+// Hessians.
 //
 //     out(t, c * blocks + b) = sum over the entries e of row t of  value(e, b) * in(index(e), c)
-// with `blocks` numbers per entry: 1 for values, D for gradients (d/dx, d/dy, d/dz), D (D + 1) / 2 for
-// Hessians (xx, xy, xz, yy, yz, zz). A field of any number of components c goes through in one pass.
-// The transpose takes target data back to particles, for example nodal forces:
-//     out(p, c) = sum over the entries e with index p of  sum_b value(e, b) * in(row(e), c * blocks + b) .
+// with `blocks` numbers per entry: 1 for values, D for gradients (d/dx, d/dy, d/dz), D (D + 1) / 2
+// for Hessians (xx, xy, xz, yy, yz, zz). A field of any number of components c goes through in one
+// pass. The transpose takes target data back to particles, for example nodal forces:
+//     out(p, c) = sum over the entries e with index p of  sum_b value(e, b) * in(row(e), c * blocks
+//     + b) .
 // <apply(u), f> = <u, apply_transpose(f)> to rounding. Sums run in a fixed order: the same bits for
 // any number of threads.
 //
@@ -25,9 +27,9 @@ namespace recon {
 
 // Which particle each entry refers to, shared by a value operator and its derivatives.
 struct SparsityPattern {
-  std::size_t columns = 0;                // particles
-  std::vector<std::int64_t> offsets{0};   // rows + 1
-  std::vector<ParticleIndex> indices;     // per entry; a particle may appear twice (periodic images)
+  std::size_t columns = 0;               // particles
+  std::vector<std::int64_t> offsets{0};  // rows + 1
+  std::vector<ParticleIndex> indices;    // per entry; a particle may appear twice (periodic images)
   std::vector<std::uint32_t> empty_rows;  // rows without support, ascending
 
   std::size_t rows() const { return offsets.size() - 1; }
@@ -51,16 +53,16 @@ class CsrOperator {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
   CsrOperator() = default;
-  CsrOperator(std::shared_ptr<const SparsityPattern> pattern, std::vector<Scalar> values, int blocks, Scalar fill,
-              int threads);
+  CsrOperator(std::shared_ptr<const SparsityPattern> pattern, std::vector<Scalar> values,
+              int blocks, Scalar fill, int threads);
 
-  std::size_t rows() const { return pattern_->rows(); }        // targets
-  std::size_t columns() const { return pattern_->columns; }    // particles
-  int blocks() const { return blocks_; }                       // numbers per entry
+  std::size_t rows() const { return pattern_->rows(); }      // targets
+  std::size_t columns() const { return pattern_->columns; }  // particles
+  int blocks() const { return blocks_; }                     // numbers per entry
   std::size_t entries() const { return pattern_->indices.size(); }
   std::span<const std::int64_t> offsets() const { return pattern_->offsets; }
   std::span<const ParticleIndex> indices() const { return pattern_->indices; }
-  std::span<const Scalar> values() const { return values_; }   // entry-major: [e * blocks + b]
+  std::span<const Scalar> values() const { return values_; }  // entry-major: [e * blocks + b]
   std::span<const std::uint32_t> empty_rows() const { return pattern_->empty_rows; }
 
   // A row per target; throws InvalidArgument where the field has not one value per particle, or has

@@ -1,19 +1,22 @@
-// reconstruct(points, targets, options): scattered particle data become a field at all targets at once.
+// reconstruct(points, targets, options): scattered particle data become a field at all targets at
+// once.
 //
-//   recon::Reconstruction fit = recon::reconstruct(points, targets, {.degree = 1, .neighbours = recon::Radius{2 * h}});
-//   Eigen::MatrixXd v      = fit.apply(velocity);              // a row per target
-//   Eigen::MatrixXd grad_v = fit.gradient().apply(velocity);   // columns dvx/dx, dvx/dy, ..., dvy/dx, ...
-//   Eigen::MatrixXd force  = fit.apply_transpose(nodal_force); // a row per particle
-//   if (fit.report().reduced() > 0) ...                        // fit.report()[t] says what became of target t
+//   recon::Reconstruction fit = recon::reconstruct(points, targets, {.degree = 1, .neighbours =
+//   recon::Radius{2 * h}}); Eigen::MatrixXd v      = fit.apply(velocity);              // a row per
+//   target Eigen::MatrixXd grad_v = fit.gradient().apply(velocity);   // columns dvx/dx, dvx/dy,
+//   ..., dvy/dx, ... Eigen::MatrixXd force  = fit.apply_transpose(nodal_force); // a row per
+//   particle if (fit.report().reduced() > 0) ...                        // fit.report()[t] says
+//   what became of target t
 //
-// At each target x the particles in its support are fitted with a polynomial of the asked degree (weighted
-// least squares), and the value at x is a linear combination sum_p phi_p(x) u_p of the data. The phi_p depend
-// on positions only: one reconstruction serves any number of fields. Polynomials up to the reported degree
-// are reproduced to rounding; sum_p phi_p = 1 always. (Lancaster and Salkauskas 1981; Gong 2015, ch. 3;
-// Tran et al. 2019, sec. 2.)
+// At each target x the particles in its support are fitted with a polynomial of the asked degree
+// (weighted least squares), and the value at x is a linear combination sum_p phi_p(x) u_p of the
+// data. The phi_p depend on positions only: one reconstruction serves any number of fields.
+// Polynomials up to the reported degree are reproduced to rounding; sum_p phi_p = 1 always.
+// (Lancaster and Salkauskas 1981; Gong 2015, ch. 3; Tran et al. 2019, sec. 2.)
 //
-// A Reconstruction owns what it needs: your arrays may change or go once it is made. To follow moving particles,
-// make a new one. Memory: about 12 bytes (double) per target and neighbour, plus the coordinates.
+// A Reconstruction owns what it needs: your arrays may change or go once it is made. To follow
+// moving particles, make a new one. Memory: about 12 bytes (double) per target and neighbour, plus
+// the coordinates.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,34 +35,40 @@ class BasicReconstruction {
  public:
   using Matrix = typename CsrOperator<Scalar>::Matrix;
 
-  // Prefer reconstruct(). Throws InvalidArgument for bad options, coordinates that are not finite, and
-  // dimensions that differ.
-  BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets, const Options& options);
+  // Prefer reconstruct(). Throws InvalidArgument for bad options, coordinates that are not finite,
+  // and dimensions that differ.
+  BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets,
+                      const Options& options);
 
-  // With neighbours of your own: options.neighbours, search, visible and grow are not used. In a periodic
-  // domain the list must have shifts.
+  // With neighbours of your own: options.neighbours, search, visible and grow are not used. In a
+  // periodic domain the list must have shifts.
   BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets,
                       NeighbourList<Scalar> neighbours, const Options& options);
 
   // sum_p phi_p(x_t) u_p for every target t and component; see CsrOperator.
   Matrix apply(const FieldView<Scalar>& field) const { return values_.apply(field); }
-  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const { values_.apply(field, out); }
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
+    values_.apply(field, out);
+  }
   // sum_t phi_p(x_t) f_t for every particle p.
-  Matrix apply_transpose(const FieldView<Scalar>& field) const { return values_.apply_transpose(field); }
+  Matrix apply_transpose(const FieldView<Scalar>& field) const {
+    return values_.apply_transpose(field);
+  }
   void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
     values_.apply_transpose(field, out);
   }
 
   const CsrOperator<Scalar>& values() const { return values_; }
 
-  // The gradient of the reconstructed field (1/length), D blocks. exact: of x -> sum_p phi_p(x) u_p,
-  // through weights, supports and solve. diffuse: of the local polynomial, cheaper and of the same order for
-  // degree >= 1; at degree 0 it is zero. In a direction that the particles do not resolve (report()[t].kept[1]
-  // < dimension) the local polynomial has slope 0, and the exact gradient is that of the reduced fit.
-  // Computed at each call: keep the result.
+  // The gradient of the reconstructed field (1/length), D blocks. exact: of x -> sum_p phi_p(x)
+  // u_p, through weights, supports and solve. diffuse: of the local polynomial, cheaper and of the
+  // same order for degree >= 1; at degree 0 it is zero. In a direction that the particles do not
+  // resolve (report()[t].kept[1] < dimension) the local polynomial has slope 0, and the exact
+  // gradient is that of the reduced fit. Computed at each call: keep the result.
   CsrOperator<Scalar> gradient(Derivative kind = Derivative::exact) const;
 
-  // The second derivatives of the local polynomial (1/length^2), D (D + 1) / 2 blocks; zero below degree 2.
+  // The second derivatives of the local polynomial (1/length^2), D (D + 1) / 2 blocks; zero below
+  // degree 2.
   CsrOperator<Scalar> hessian() const;
 
   const FitReports& report() const { return reports_; }
@@ -81,19 +90,21 @@ using ReconstructionF = BasicReconstruction<float>;
 extern template class BasicReconstruction<float>;
 extern template class BasicReconstruction<double>;
 
-inline Reconstruction reconstruct(const PointsView<double>& points, const PointsView<double>& targets,
-                                  const Options& options) {
+inline Reconstruction reconstruct(const PointsView<double>& points,
+                                  const PointsView<double>& targets, const Options& options) {
   return {points, targets, options};
 }
-inline ReconstructionF reconstruct(const PointsView<float>& points, const PointsView<float>& targets,
-                                   const Options& options) {
+inline ReconstructionF reconstruct(const PointsView<float>& points,
+                                   const PointsView<float>& targets, const Options& options) {
   return {points, targets, options};
 }
-inline Reconstruction reconstruct(const PointsView<double>& points, const PointsView<double>& targets,
+inline Reconstruction reconstruct(const PointsView<double>& points,
+                                  const PointsView<double>& targets,
                                   NeighbourList<double> neighbours, const Options& options) {
   return {points, targets, std::move(neighbours), options};
 }
-inline ReconstructionF reconstruct(const PointsView<float>& points, const PointsView<float>& targets,
+inline ReconstructionF reconstruct(const PointsView<float>& points,
+                                   const PointsView<float>& targets,
                                    NeighbourList<float> neighbours, const Options& options) {
   return {points, targets, std::move(neighbours), options};
 }

@@ -1,4 +1,5 @@
-// An operator as an Eigen::SparseMatrix. Include it when you want it: it brings Eigen's sparse module.
+// An operator as an Eigen::SparseMatrix. Include it when you want it: it brings Eigen's sparse
+// module.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -7,10 +8,12 @@
 
 namespace recon {
 
-// Rows are targets times blocks (row t * blocks + b), columns particles; row-major. Entries of one particle
-// in one row (periodic images) are summed. Rows without support are empty: there is no fill value.
+// Rows are targets times blocks (row t * blocks + b), columns particles; row-major. Entries of one
+// particle in one row (periodic images) are summed. Rows without support are empty: there is no
+// fill value.
 template <class Scalar>
-Eigen::SparseMatrix<Scalar, Eigen::RowMajor, std::int64_t> to_sparse(const CsrOperator<Scalar>& op) {
+Eigen::SparseMatrix<Scalar, Eigen::RowMajor, std::int64_t> to_sparse(
+    const CsrOperator<Scalar>& op) {
   std::vector<Eigen::Triplet<Scalar, std::int64_t>> triplets;
   triplets.reserve(op.entries() * static_cast<std::size_t>(op.blocks()));
   const int blocks = op.blocks();

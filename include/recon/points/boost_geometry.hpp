@@ -1,7 +1,8 @@
-// points_of for any type registered as a Boost.Geometry point. Include it when you want it: recon.hpp
-// does not, so that nobody pays for Boost's headers unasked.
+// points_of for any type registered as a Boost.Geometry point. Include it when you want it:
+// recon.hpp does not, so that nobody pays for Boost's headers unasked.
 //
-// Coordinates are read through boost::geometry::get, so types with accessors work as well as plain ones.
+// Coordinates are read through boost::geometry::get, so types with accessors work as well as plain
+// ones.
 #pragma once
 
 #include <boost/geometry/core/access.hpp>
@@ -15,12 +16,13 @@
 namespace recon {
 
 template <class T>
-concept BoostPoint = std::same_as<typename boost::geometry::tag<T>::type, boost::geometry::point_tag>;
+concept BoostPoint =
+    std::same_as<typename boost::geometry::tag<T>::type, boost::geometry::point_tag>;
 
 // A view of an array of Boost.Geometry points of dimension 1 to 3 with float or double coordinates.
 template <detail::StableArray Range>
-  requires(BoostPoint<std::ranges::range_value_t<Range>> && !detail::HasLayout<std::ranges::range_value_t<Range>>)
-auto points_of(Range&& elements) {
+requires(BoostPoint<std::ranges::range_value_t<Range>> &&
+         !detail::HasLayout<std::ranges::range_value_t<Range>>) auto points_of(Range&& elements) {
   namespace bg = boost::geometry;
   using Point = std::ranges::range_value_t<Range>;
   using Scalar = typename bg::coordinate_type<Point>::type;
@@ -30,9 +32,10 @@ auto points_of(Range&& elements) {
 
   std::array<typename PointsView<Scalar>::Reader, max_dimension> readers{};
   const auto set = [&]<std::size_t... Axis>(std::index_sequence<Axis...>) {
-    ((readers[Axis] = [](const void* at) {
-       return static_cast<Scalar>(bg::get<Axis>(*static_cast<const Point*>(at)));
-     }),
+    ((readers[Axis] =
+          [](const void* at) {
+            return static_cast<Scalar>(bg::get<Axis>(*static_cast<const Point*>(at)));
+          }),
      ...);
   };
   set(std::make_index_sequence<dimension>{});

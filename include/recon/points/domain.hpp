@@ -35,13 +35,13 @@ struct Box {
   }
 };
 
-// The box of all points; empty for no points. Throws InvalidArgument where a coordinate is not finite,
-// naming the point and the axis; `name` is what the message calls the points.
+// The box of all points; empty for no points. Throws InvalidArgument where a coordinate is not
+// finite, naming the point and the axis; `name` is what the message calls the points.
 template <class Scalar>
 Box<Scalar> bounding_box(const PointsView<Scalar>& points, const char* name = "points");
 
-// A domain whose period along `axis` is upper - lower where periodic[axis] is set. The other axes are
-// unbounded: lower and upper are not used there. The default domain is periodic nowhere.
+// A domain whose period along `axis` is upper - lower where periodic[axis] is set. The other axes
+// are unbounded: lower and upper are not used there. The default domain is periodic nowhere.
 template <class Scalar>
 struct PeriodicDomain {
   std::array<Scalar, max_dimension> lower{}, upper{};

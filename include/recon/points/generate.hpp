@@ -1,8 +1,8 @@
 // Point sets to test with: regular, jittered, random, and the degenerate ones that break fits.
 //
-// All lie in the unit cube unless said otherwise. They are functions of their arguments alone (a fixed generator
-// written here, not the standard library's distributions, whose values differ between libraries), so
-// a failure found on one machine is found on all.
+// All lie in the unit cube unless said otherwise. They are functions of their arguments alone (a
+// fixed generator written here, not the standard library's distributions, whose values differ
+// between libraries), so a failure found on one machine is found on all.
 #pragma once
 
 #include <array>
@@ -57,7 +57,8 @@ PointList<Scalar, D> jittered_points(std::size_t n, double amount, std::uint64_t
   RandomNumbers random(seed);
   auto points = regular_points<Scalar, D>(n);
   for (auto& x : points)
-    for (Scalar& c : x) c += static_cast<Scalar>(random.uniform(-amount, amount) / static_cast<double>(n));
+    for (Scalar& c : x)
+      c += static_cast<Scalar>(random.uniform(-amount, amount) / static_cast<double>(n));
   return points;
 }
 
@@ -74,7 +75,8 @@ PointList<Scalar, D> random_points(std::size_t count, std::uint64_t seed) {
 // Random points squeezed towards the centre of the cube by the factor `thickness` along the last
 // `flat_axes` axes: 0 gives points exactly on a plane or a line, 1e-3 almost so.
 template <class Scalar, int D>
-PointList<Scalar, D> flat_points(std::size_t count, int flat_axes, double thickness, std::uint64_t seed) {
+PointList<Scalar, D> flat_points(std::size_t count, int flat_axes, double thickness,
+                                 std::uint64_t seed) {
   auto points = random_points<Scalar, D>(count, seed);
   for (auto& x : points)
     for (int d = D - flat_axes; d < D; ++d)
@@ -91,7 +93,8 @@ PointList<Scalar, D> diagonal_points(std::size_t count, std::uint64_t seed) {
   return points;
 }
 
-// Random points on the sphere (circle, pair of points) of the given radius about the centre of the cube.
+// Random points on the sphere (circle, pair of points) of the given radius about the centre of the
+// cube.
 template <class Scalar, int D>
 PointList<Scalar, D> sphere_points(std::size_t count, double radius, std::uint64_t seed) {
   RandomNumbers random(seed);
@@ -104,7 +107,8 @@ PointList<Scalar, D> sphere_points(std::size_t count, double radius, std::uint64
     }
     if (norm2 > 1 || norm2 < 1e-4) continue;
     std::array<Scalar, D> point;
-    for (int d = 0; d < D; ++d) point[d] = static_cast<Scalar>(0.5 + radius * x[d] / std::sqrt(norm2));
+    for (int d = 0; d < D; ++d)
+      point[d] = static_cast<Scalar>(0.5 + radius * x[d] / std::sqrt(norm2));
     points.push_back(point);
   }
   return points;
@@ -112,13 +116,15 @@ PointList<Scalar, D> sphere_points(std::size_t count, double radius, std::uint64
 
 // Random points in `clusters` balls of the given radius, at random places: many near, most far.
 template <class Scalar, int D>
-PointList<Scalar, D> clustered_points(std::size_t count, std::size_t clusters, double radius, std::uint64_t seed) {
+PointList<Scalar, D> clustered_points(std::size_t count, std::size_t clusters, double radius,
+                                      std::uint64_t seed) {
   RandomNumbers random(seed);
   const auto centres = random_points<Scalar, D>(clusters, random.next());
   PointList<Scalar, D> points(count);
   for (std::size_t i = 0; i < count; ++i)
     for (int d = 0; d < D; ++d)
-      points[i][d] = static_cast<Scalar>(static_cast<double>(centres[i % clusters][d]) + radius * random.uniform(-1, 1));
+      points[i][d] = static_cast<Scalar>(static_cast<double>(centres[i % clusters][d]) +
+                                         radius * random.uniform(-1, 1));
   return points;
 }
 

@@ -6,14 +6,15 @@
 //     std::vector<Eigen::Vector3d>, struct { x, y, z; }, double[3], ...
 //   one array per axis                               points_of(x, y), points_of(x, y, z)
 //   one array, 1-D points                            points_of(x)
-//   Eigen matrix, a row per point                    points_of(matrix); matrix.transpose() if a column
-//   flat array x0 y0 z0 x1 y1 z1 ...                 points_of_flat(array, 3)
-//   types registered with Boost.Geometry             recon/points/boost_geometry.hpp
+//   Eigen matrix, a row per point                    points_of(matrix); matrix.transpose() if a
+//   column flat array x0 y0 z0 x1 y1 z1 ...                 points_of_flat(array, 3) types
+//   registered with Boost.Geometry             recon/points/boost_geometry.hpp
 //
 // The same forms exist for fields: field_of(grains, &Grain::velocity), field_of(values),
 // field_of(vx, vy, vz), field_of(matrix), field_of_flat(array, components). A matrix-valued
-// member (std::array<std::array<double, 3>, 3>, Eigen::Matrix3d) is a field of 9 components in the order
-// in which it lies in memory. field_of on data that are not const gives a view that can be written.
+// member (std::array<std::array<double, 3>, 3>, Eigen::Matrix3d) is a field of 9 components in the
+// order in which it lies in memory. field_of on data that are not const gives a view that can be
+// written.
 //
 // Temporaries are refused at compile time: a view of one would dangle.
 #pragma once
@@ -32,29 +33,36 @@ namespace recon {
 namespace detail {
 
 template <class T>
-inline constexpr bool is_scalar = std::is_same_v<std::remove_const_t<T>, float> ||
-                                  std::is_same_v<std::remove_const_t<T>, double>;
+inline constexpr bool is_scalar =
+    std::is_same_v<std::remove_const_t<T>, float> || std::is_same_v<std::remove_const_t<T>, double>;
 
 // A range whose elements lie side by side in memory that outlives the call.
 template <class R>
 concept StableArray = std::ranges::contiguous_range<R> && std::ranges::sized_range<R> &&
-                      std::ranges::borrowed_range<R>;
+    std::ranges::borrowed_range<R>;
 
 template <class T>
-concept EigenDense = requires { typename std::remove_cvref_t<T>::PlainObject; } &&
-                     std::is_base_of_v<Eigen::MatrixBase<std::remove_cvref_t<T>>, std::remove_cvref_t<T>>;
+concept EigenDense = requires {
+  typename std::remove_cvref_t<T>::PlainObject;
+}
+&&std::is_base_of_v<Eigen::MatrixBase<std::remove_cvref_t<T>>, std::remove_cvref_t<T>>;
 
 template <class T>
-concept XYZ = requires(T& t) { t.x, t.y, t.z; };
+concept XYZ = requires(T& t) {
+  t.x, t.y, t.z;
+};
 template <class T>
-concept XY = requires(T& t) { t.x, t.y; } && !XYZ<T>;
+concept XY = requires(T& t) {
+  t.x, t.y;
+}
+&&!XYZ<T>;
 
 // Layout of one value: how many numbers, and where the first lies. Numbers must lie side by side.
 template <class T>
 struct Layout;  // no layout: see the table at the top of this file
 
 template <class T>
-  requires is_scalar<T>
+requires is_scalar<T>
 struct Layout<T> {
   using Scalar = T;
   static constexpr int count = 1;
@@ -73,30 +81,29 @@ struct Layout<T[N]> {
   static auto* first(auto& value) { return Layout<T>::first(value[0]); }
 };
 template <class T>
-  requires(EigenDense<T> && T::SizeAtCompileTime > 0)
-struct Layout<T> {
+requires(EigenDense<T>&& T::SizeAtCompileTime > 0) struct Layout<T> {
   using Scalar = typename T::Scalar;
   static constexpr int count = T::SizeAtCompileTime;
   static auto* first(auto& value) { return value.data(); }
 };
 template <class T>
-  requires(XYZ<T> && !EigenDense<T>)
-struct Layout<T> {
+requires(XYZ<T> && !EigenDense<T>) struct Layout<T> {
   using Scalar = std::remove_cvref_t<decltype(std::declval<T&>().x)>;
   static_assert(sizeof(T) >= 3 * sizeof(Scalar));
   static constexpr int count = 3;
   static auto* first(auto& value) { return &value.x; }
 };
 template <class T>
-  requires(XY<T> && !EigenDense<T>)
-struct Layout<T> {
+requires(XY<T> && !EigenDense<T>) struct Layout<T> {
   using Scalar = std::remove_cvref_t<decltype(std::declval<T&>().x)>;
   static constexpr int count = 2;
   static auto* first(auto& value) { return &value.x; }
 };
 
 template <class T>
-concept HasLayout = requires { Layout<std::remove_cv_t<T>>::count; };
+concept HasLayout = requires {
+  Layout<std::remove_cv_t<T>>::count;
+};
 
 template <class T>
 using LayoutScalar = typename Layout<std::remove_cv_t<T>>::Scalar;
@@ -107,7 +114,7 @@ template <class T>
 std::ptrdiff_t component_stride(T& value) {
   using Plain = std::remove_cv_t<T>;
   const auto at = [](const auto& member) { return reinterpret_cast<const std::byte*>(&member); };
-  if constexpr ((XYZ<Plain> || XY<Plain>) && !EigenDense<Plain>) {
+  if constexpr ((XYZ<Plain> || XY<Plain>)&&!EigenDense<Plain>) {
     const std::ptrdiff_t step = at(value.y) - at(value.x);
     if constexpr (XYZ<Plain>)
       require(at(value.z) - at(value.y) == step, "members x, y, z", "unevenly spread",
@@ -130,11 +137,12 @@ PointsView<Scalar> strided_points(std::size_t size, int dimension, const Scalar*
 
 }  // namespace detail
 
-// ---- points --------------------------------------------------------------------------------------
+// ---- points
+// --------------------------------------------------------------------------------------
 
 // A member of your own struct: points_of(grains, &Grain::position).
 template <detail::StableArray Range, class Struct, class Member>
-  requires detail::HasLayout<Member>
+requires detail::HasLayout<Member>
 auto points_of(Range&& elements, Member Struct::*member) {
   using Layout = detail::Layout<Member>;
   static_assert(Layout::count <= max_dimension, "points have 1, 2 or 3 coordinates");
@@ -142,15 +150,15 @@ auto points_of(Range&& elements, Member Struct::*member) {
   if (std::ranges::empty(elements))
     return detail::strided_points<Scalar>(0, Layout::count, nullptr, 0, 0);
   auto& first = (*std::ranges::data(elements)).*member;
-  return detail::strided_points<Scalar>(std::ranges::size(elements), Layout::count, Layout::first(first),
-                                        detail::component_stride(first),
+  return detail::strided_points<Scalar>(std::ranges::size(elements), Layout::count,
+                                        Layout::first(first), detail::component_stride(first),
                                         sizeof(std::ranges::range_value_t<Range>));
 }
 
 // An array whose elements are the coordinates themselves (one number each: points in 1-D).
 template <detail::StableArray Range>
-  requires(detail::HasLayout<std::ranges::range_value_t<Range>> && !detail::EigenDense<Range>)
-auto points_of(Range&& elements) {
+requires(detail::HasLayout<std::ranges::range_value_t<Range>> &&
+         !detail::EigenDense<Range>) auto points_of(Range&& elements) {
   using Value = std::ranges::range_value_t<Range>;
   using Layout = detail::Layout<Value>;
   static_assert(Layout::count <= max_dimension, "points have 1, 2 or 3 coordinates");
@@ -158,16 +166,17 @@ auto points_of(Range&& elements) {
   if (std::ranges::empty(elements))
     return detail::strided_points<Scalar>(0, Layout::count, nullptr, 0, 0);
   auto& first = *std::ranges::data(elements);
-  return detail::strided_points<Scalar>(std::ranges::size(elements), Layout::count, Layout::first(first),
-                                        detail::component_stride(first), sizeof(Value));
+  return detail::strided_points<Scalar>(std::ranges::size(elements), Layout::count,
+                                        Layout::first(first), detail::component_stride(first),
+                                        sizeof(Value));
 }
 
 // One array per axis. Throws InvalidArgument where their lengths differ.
 template <detail::StableArray X, detail::StableArray... Rest>
-  requires(detail::is_scalar<std::ranges::range_value_t<X>> && sizeof...(Rest) >= 1 &&
-           sizeof...(Rest) <= 2 &&
-           (std::same_as<std::ranges::range_value_t<X>, std::ranges::range_value_t<Rest>> && ...))
-auto points_of(X&& x, Rest&&... rest) {
+requires(detail::is_scalar<std::ranges::range_value_t<X>> && sizeof...(Rest) >= 1 &&
+         sizeof...(Rest) <= 2 &&
+         (std::same_as<std::ranges::range_value_t<X>, std::ranges::range_value_t<Rest>> &&
+          ...)) auto points_of(X&& x, Rest&&... rest) {
   using Scalar = std::ranges::range_value_t<X>;
   const std::size_t size = std::ranges::size(x);
   (require(std::ranges::size(rest) == size, "length of a coordinate array", std::ranges::size(rest),
@@ -180,32 +189,35 @@ auto points_of(X&& x, Rest&&... rest) {
 
 // An Eigen matrix (or map, block, transpose) with a row per point and a column per axis.
 template <class Derived>
-  requires((Derived::Flags & Eigen::DirectAccessBit) != 0)
-auto points_of(const Eigen::MatrixBase<Derived>& matrix) {
+requires((Derived::Flags & Eigen::DirectAccessBit) !=
+         0) auto points_of(const Eigen::MatrixBase<Derived>& matrix) {
   using Scalar = typename Derived::Scalar;
   const Derived& m = matrix.derived();
   require(m.cols() >= 1 && m.cols() <= max_dimension, "columns of the coordinate matrix", m.cols(),
           "must be 1, 2 or 3 with a row per point (pass matrix.transpose() if points are columns)");
-  return detail::strided_points<Scalar>(static_cast<std::size_t>(m.rows()), static_cast<int>(m.cols()), m.data(),
-                                        m.colStride() * static_cast<std::ptrdiff_t>(sizeof(Scalar)),
-                                        m.rowStride() * static_cast<std::ptrdiff_t>(sizeof(Scalar)));
+  return detail::strided_points<Scalar>(
+      static_cast<std::size_t>(m.rows()), static_cast<int>(m.cols()), m.data(),
+      m.colStride() * static_cast<std::ptrdiff_t>(sizeof(Scalar)),
+      m.rowStride() * static_cast<std::ptrdiff_t>(sizeof(Scalar)));
 }
 
 // A flat array x0 y0 z0 x1 y1 z1 ... of points of the given dimension.
 template <detail::StableArray Range>
-  requires detail::is_scalar<std::ranges::range_value_t<Range>>
+requires detail::is_scalar<std::ranges::range_value_t<Range>>
 auto points_of_flat(Range&& numbers, int dimension) {
   using Scalar = std::ranges::range_value_t<Range>;
-  require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension, "must be 1, 2 or 3");
+  require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension,
+          "must be 1, 2 or 3");
   const std::size_t count = std::ranges::size(numbers);
-  require(count % static_cast<std::size_t>(dimension) == 0, "length of the flat coordinate array", count,
-          "must be a multiple of the dimension");
+  require(count % static_cast<std::size_t>(dimension) == 0, "length of the flat coordinate array",
+          count, "must be a multiple of the dimension");
   return detail::strided_points<Scalar>(count / static_cast<std::size_t>(dimension), dimension,
                                         std::ranges::data(numbers), sizeof(Scalar),
                                         dimension * static_cast<std::ptrdiff_t>(sizeof(Scalar)));
 }
 
-// ---- fields --------------------------------------------------------------------------------------
+// ---- fields
+// --------------------------------------------------------------------------------------
 
 namespace detail {
 
@@ -220,63 +232,68 @@ BasicFieldView<Number> strided_field(std::size_t size, int components, Number* f
 
 // A member of your own struct: field_of(grains, &Grain::velocity).
 template <detail::StableArray Range, class Struct, class Member>
-  requires detail::HasLayout<Member>
+requires detail::HasLayout<Member>
 auto field_of(Range&& elements, Member Struct::*member) {
   using Layout = detail::Layout<Member>;
-  using Number = std::remove_pointer_t<decltype(Layout::first((*std::ranges::data(elements)).*member))>;
+  using Number =
+      std::remove_pointer_t<decltype(Layout::first((*std::ranges::data(elements)).*member))>;
   if (std::ranges::empty(elements))
     return detail::strided_field<Number>(0, Layout::count, nullptr, 0, 0);
   auto& first = (*std::ranges::data(elements)).*member;
-  return detail::strided_field<Number>(std::ranges::size(elements), Layout::count, Layout::first(first),
-                                       sizeof(std::ranges::range_value_t<Range>),
-                                       detail::component_stride(first));
+  return detail::strided_field<Number>(
+      std::ranges::size(elements), Layout::count, Layout::first(first),
+      sizeof(std::ranges::range_value_t<Range>), detail::component_stride(first));
 }
 
 // An array whose elements are the values themselves.
 template <detail::StableArray Range>
-  requires(detail::HasLayout<std::ranges::range_value_t<Range>> && !detail::EigenDense<Range>)
-auto field_of(Range&& elements) {
+requires(detail::HasLayout<std::ranges::range_value_t<Range>> &&
+         !detail::EigenDense<Range>) auto field_of(Range&& elements) {
   using Value = std::ranges::range_value_t<Range>;
   using Layout = detail::Layout<Value>;
   using Number = std::remove_pointer_t<decltype(Layout::first(*std::ranges::data(elements)))>;
   if (std::ranges::empty(elements))
     return detail::strided_field<Number>(0, Layout::count, nullptr, 0, 0);
   auto& first = *std::ranges::data(elements);
-  return detail::strided_field<Number>(std::ranges::size(elements), Layout::count, Layout::first(first),
-                                       sizeof(Value), detail::component_stride(first));
+  return detail::strided_field<Number>(std::ranges::size(elements), Layout::count,
+                                       Layout::first(first), sizeof(Value),
+                                       detail::component_stride(first));
 }
 
 // An Eigen matrix with a row per point and a column per component, read only.
 template <class Derived>
-  requires((Derived::Flags & Eigen::DirectAccessBit) != 0)
-auto field_of(const Eigen::MatrixBase<Derived>& matrix) {
+requires((Derived::Flags & Eigen::DirectAccessBit) !=
+         0) auto field_of(const Eigen::MatrixBase<Derived>& matrix) {
   using Scalar = typename Derived::Scalar;
   const Derived& m = matrix.derived();
   constexpr auto bytes = static_cast<std::ptrdiff_t>(sizeof(Scalar));
-  return detail::strided_field<const Scalar>(static_cast<std::size_t>(m.rows()), static_cast<int>(m.cols()),
-                                             m.data(), m.rowStride() * bytes, m.colStride() * bytes);
+  return detail::strided_field<const Scalar>(static_cast<std::size_t>(m.rows()),
+                                             static_cast<int>(m.cols()), m.data(),
+                                             m.rowStride() * bytes, m.colStride() * bytes);
 }
 
 // The same, to be written.
 template <class Derived>
-  requires((Derived::Flags & Eigen::DirectAccessBit) != 0 && (Derived::Flags & Eigen::LvalueBit) != 0)
-auto field_of(Eigen::MatrixBase<Derived>& matrix) {
+requires((Derived::Flags & Eigen::DirectAccessBit) != 0 &&
+         (Derived::Flags & Eigen::LvalueBit) !=
+             0) auto field_of(Eigen::MatrixBase<Derived>& matrix) {
   using Scalar = typename Derived::Scalar;
   Derived& m = matrix.derived();
   constexpr auto bytes = static_cast<std::ptrdiff_t>(sizeof(Scalar));
-  return detail::strided_field<Scalar>(static_cast<std::size_t>(m.rows()), static_cast<int>(m.cols()), m.data(),
-                                       m.rowStride() * bytes, m.colStride() * bytes);
+  return detail::strided_field<Scalar>(static_cast<std::size_t>(m.rows()),
+                                       static_cast<int>(m.cols()), m.data(), m.rowStride() * bytes,
+                                       m.colStride() * bytes);
 }
 
 // A flat array a0 b0 c0 a1 b1 c1 ... of values with the given number of components.
 template <detail::StableArray Range>
-  requires detail::is_scalar<std::ranges::range_value_t<Range>>
+requires detail::is_scalar<std::ranges::range_value_t<Range>>
 auto field_of_flat(Range&& numbers, int components) {
   using Number = std::remove_reference_t<std::ranges::range_reference_t<Range>>;
   require(components >= 1, "components", components, "must be at least 1");
   const std::size_t count = std::ranges::size(numbers);
-  require(count % static_cast<std::size_t>(components) == 0, "length of the flat field array", count,
-          "must be a multiple of the number of components");
+  require(count % static_cast<std::size_t>(components) == 0, "length of the flat field array",
+          count, "must be a multiple of the number of components");
   constexpr auto bytes = static_cast<std::ptrdiff_t>(sizeof(Number));
   return detail::strided_field<Number>(count / static_cast<std::size_t>(components), components,
                                        std::ranges::data(numbers), components * bytes, bytes);

@@ -18,8 +18,9 @@ class PointCloud {
  public:
   PointCloud() = default;
 
-  // Copies the points; with a domain, into its periodic image [lower, upper). Throws InvalidArgument
-  // for coordinates that are not finite and for more than 2^32 - 2 points; `name` is what messages call them.
+  // Copies the points; with a domain, into its periodic image [lower, upper). Throws
+  // InvalidArgument for coordinates that are not finite and for more than 2^32 - 2 points; `name`
+  // is what messages call them.
   explicit PointCloud(const PointsView<Scalar>& points, const char* name = "points",
                       const PeriodicDomain<Scalar>& domain = {});
 
@@ -38,7 +39,9 @@ class PointCloud {
   }
 
   PointsView<Scalar> view() const {
-    return {size(), dimension_, {axes_[0].data(), axes_[1].data(), axes_[2].data()},
+    return {size(),
+            dimension_,
+            {axes_[0].data(), axes_[1].data(), axes_[2].data()},
             {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)}};
   }
 

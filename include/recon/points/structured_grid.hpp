@@ -33,28 +33,32 @@ struct StructuredGrid {
     std::array<std::vector<Scalar>, max_dimension> axes;
     int dimension;
     PointsView<Scalar> view() const {
-      return {axes[0].size(), dimension, {axes[0].data(), axes[1].data(), axes[2].data()},
+      return {axes[0].size(),
+              dimension,
+              {axes[0].data(), axes[1].data(), axes[2].data()},
               {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)}};
     }
   };
   Nodes nodes() const;
 
-  // Throws InvalidArgument for a dimension outside 1..3, a spacing that is not positive and finite, an origin
-  // that is not finite, and more than 2^32 - 2 nodes.
+  // Throws InvalidArgument for a dimension outside 1..3, a spacing that is not positive and finite,
+  // an origin that is not finite, and more than 2^32 - 2 nodes.
   void validate() const;
 };
 
-// The grid of the given spacing whose nodes lie at whole multiples of it and cover the box. On a periodic
-// axis the grid starts at the lower border and the spacing is shrunk so that a whole number of cells
-// fills the period; the node at the upper border is left out, being the one at the lower.
-// Throws InvalidArgument as validate() does.
+// The grid of the given spacing whose nodes lie at whole multiples of it and cover the box. On a
+// periodic axis the grid starts at the lower border and the spacing is shrunk so that a whole
+// number of cells fills the period; the node at the upper border is left out, being the one at the
+// lower. Throws InvalidArgument as validate() does.
 template <class Scalar>
 StructuredGrid<Scalar> covering_grid(const Box<Scalar>& box, Scalar spacing,
                                      const PeriodicDomain<Scalar>& domain = {});
 
 extern template struct StructuredGrid<float>;
 extern template struct StructuredGrid<double>;
-extern template StructuredGrid<float> covering_grid(const Box<float>&, float, const PeriodicDomain<float>&);
-extern template StructuredGrid<double> covering_grid(const Box<double>&, double, const PeriodicDomain<double>&);
+extern template StructuredGrid<float> covering_grid(const Box<float>&, float,
+                                                    const PeriodicDomain<float>&);
+extern template StructuredGrid<double> covering_grid(const Box<double>&, double,
+                                                     const PeriodicDomain<double>&);
 
 }  // namespace recon

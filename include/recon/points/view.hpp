@@ -1,9 +1,9 @@
 // Views of coordinates and fields where they lie: no copy, no adoption of a container.
 //
-// A PointsView reads coordinate `axis` of point `i`; a FieldView reads component `c` of the value at
-// point `i`. Both are a base address per axis (or component) and one stride in bytes, which covers
-// arrays of structs, structs of arrays, Eigen matrices, flat arrays and members of your own struct;
-// where a type hides its coordinates behind accessors, a function reads them. make_view.hpp
+// A PointsView reads coordinate `axis` of point `i`; a FieldView reads component `c` of the value
+// at point `i`. Both are a base address per axis (or component) and one stride in bytes, which
+// covers arrays of structs, structs of arrays, Eigen matrices, flat arrays and members of your own
+// struct; where a type hides its coordinates behind accessors, a function reads them. make_view.hpp
 // has the functions that build views (points_of, field_of); you rarely name these classes yourself.
 //
 // A view refers to your data: it must not outlive them. Scalar is float or double.
@@ -63,7 +63,8 @@ class PointsView {
   std::array<Reader, max_dimension> readers_{};
 };
 
-// Values of `components` numbers at each of size() points; Scalar may be const (read) or not (write).
+// Values of `components` numbers at each of size() points; Scalar may be const (read) or not
+// (write).
 template <class Scalar>
 class BasicFieldView {
   using Byte = std::conditional_t<std::is_const_v<Scalar>, const std::byte, std::byte>;
@@ -74,7 +75,8 @@ class BasicFieldView {
 
   BasicFieldView() = default;
 
-  // Component c of the value at point i lies at base + i * point_stride + c * component_stride (bytes).
+  // Component c of the value at point i lies at base + i * point_stride + c * component_stride
+  // (bytes).
   BasicFieldView(std::size_t size, int components, Address base, std::ptrdiff_t point_stride,
                  std::ptrdiff_t component_stride)
       : size_(size),
@@ -86,8 +88,7 @@ class BasicFieldView {
   }
 
   // A field that is written can be read.
-  BasicFieldView(const BasicFieldView<scalar_type>& other)
-    requires std::is_const_v<Scalar>
+  BasicFieldView(const BasicFieldView<scalar_type>& other) requires std::is_const_v<Scalar>
       : size_(other.size()),
         components_(other.components()),
         base_(static_cast<Byte*>(other.data())),

@@ -17,9 +17,9 @@ enum class Unsupported {
   nearest  // the value of the nearest particle (of the smallest index, if several are)
 };
 
-// Growing supports: a target that does not reach the asked degree is tried again with its support (for
-// nearest neighbours: their number) enlarged by `factor`, up to `steps` times. One that never reaches
-// it keeps its first support, so that a cloud on a line is not smoothed for nothing.
+// Growing supports: a target that does not reach the asked degree is tried again with its support
+// (for nearest neighbours: their number) enlarged by `factor`, up to `steps` times. One that never
+// reaches it keeps its first support, so that a cloud on a line is not smoothed for nothing.
 struct Growth {
   int steps = 0;
   double factor = 1.25;
@@ -31,8 +31,8 @@ struct Options {
   // w(q), q = |x - x_p| / rho; an enumerator or any object that is a RadialWeight.
   WeightFunction weight = Weight::cubic_b_spline;
   WeightForm form = WeightForm::radial;
-  // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The default is
-  // the nearest twice as many particles as there are basis terms, plus one.
+  // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The
+  // default is the nearest twice as many particles as there are basis terms, plus one.
   NeighbourRule neighbours = Nearest{0};
   Solver solver = Solver::gram_schmidt;
 

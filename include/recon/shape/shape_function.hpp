@@ -2,16 +2,18 @@
 //
 // This is the template interface beneath reconstruct(): every part is a type that you may supply.
 //
-//   recon::ShapeEvaluator<recon::Monomials<2, 1>, MyWeight> shapes(MyWeight{}, recon::Solver::gram_schmidt);
-//   recon::KdTree<double, 2> search(cloud);
-//   const auto& shape = shapes.at(x, rho, search, [&](auto p) { return position[p]; });
+//   recon::ShapeEvaluator<recon::Monomials<2, 1>, MyWeight> shapes(MyWeight{},
+//   recon::Solver::gram_schmidt); recon::KdTree<double, 2> search(cloud); const auto& shape =
+//   shapes.at(x, rho, search, [&](auto p) { return position[p]; });
 //   // sum over i of shape.value[i] * u[shape.neighbours[i]] is the fit at x
 //
 // Concepts: RadialWeight (weights/weight.hpp), Basis (basis/monomials.hpp), NeighbourSearch
-// (neighbourhood/search.hpp); the scalar T is any type with arithmetic, comparison and std::sqrt, for example long
-// double. A minimal model of each stands in the documentation and compiles in the tests.
+// (neighbourhood/search.hpp); the scalar T is any type with arithmetic, comparison and std::sqrt,
+// for example long double. A minimal model of each stands in the documentation and compiles in the
+// tests.
 //
-// Formulas in local_solve/local_cloud.hpp. An evaluator keeps its arrays: one per thread, no allocation once warm.
+// Formulas in local_solve/local_cloud.hpp. An evaluator keeps its arrays: one per thread, no
+// allocation once warm.
 #pragma once
 
 #include <array>
@@ -28,9 +30,9 @@ namespace recon {
 template <class T, int D>
 struct ShapeFunction {
   std::vector<ParticleIndex> neighbours;
-  std::vector<T> value;                                      // phi_p, no unit
-  std::vector<std::array<T, D>> gradient;                    // 1/length
-  std::vector<std::array<T, D*(D + 1) / 2>> hessian;         // 1/length^2, diffuse: xx, xy, xz, yy, yz, zz
+  std::vector<T> value;                               // phi_p, no unit
+  std::vector<std::array<T, D>> gradient;             // 1/length
+  std::vector<std::array<T, D*(D + 1) / 2>> hessian;  // 1/length^2, diffuse: xx, xy, xz, yy, yz, zz
   FitReport report;
 };
 
@@ -40,14 +42,14 @@ class ShapeEvaluator {
   static constexpr int D = B::dimension;
   using Point = std::array<T, D>;
 
-  explicit ShapeEvaluator(W weight, Solver solver = Solver::gram_schmidt, WeightForm form = WeightForm::radial,
-                          FitTolerances tolerances = {})
+  explicit ShapeEvaluator(W weight, Solver solver = Solver::gram_schmidt,
+                          WeightForm form = WeightForm::radial, FitTolerances tolerances = {})
       : weights_{std::move(weight)}, form_(form), solve_(solver, tolerances) {}
 
-  // Among the given neighbours; position(p) is the Point of particle p. Particles outside the support of radius rho
-  // > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho or x.
+  // Among the given neighbours; position(p) is the Point of particle p. Particles outside the
+  // support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho or x.
   template <class Position>
-    requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
+  requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
   const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
                                 Position&& position, Derivative kind = Derivative::exact) {
     using std::isfinite;
@@ -57,7 +59,8 @@ class ShapeEvaluator {
     stencil_.start(x, rho, count);
     positions_.clear();
     for (const ParticleIndex p : neighbours) positions_.push_back(position(p));
-    for (int d = 0; d < D; ++d) stencil_.set_offsets(d, [&](int p) { return positions_[p][d] - x[d]; });
+    for (int d = 0; d < D; ++d)
+      stencil_.set_offsets(d, [&](int p) { return positions_[p][d] - x[d]; });
     stencil_.weigh(weights_, form_, true);
 
     const LocalCloud<T, D> cloud = stencil_.cloud();

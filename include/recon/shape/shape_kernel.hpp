@@ -29,15 +29,17 @@ struct ShapeProblem {
   const PointCloud<Scalar>& targets;
   const NeighbourList<Scalar>& neighbours;
   const PeriodicDomain<Scalar>& domain;
-  // 0: supports stand still while a target moves. Else rho = support_factor * distance to the farthest
-  // neighbour, and exact gradients follow it.
+  // 0: supports stand still while a target moves. Else rho = support_factor * distance to the
+  // farthest neighbour, and exact gradients follow it.
   Scalar support_factor = 0;
-  // Derivatives are multiplied by this per axis: 1 / stretch, where coordinates have been divided by stretch.
+  // Derivatives are multiplied by this per axis: 1 / stretch, where coordinates have been divided
+  // by stretch.
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
 };
 
-// Output arrays, null where not wanted. Entry e of the neighbour list has value[e], gradient[e * D + d] and
-// hessian[e * D (D + 1) / 2 + i] (xx, xy, xz, yy, yz, zz as far as they exist); target t has report[t].
+// Output arrays, null where not wanted. Entry e of the neighbour list has value[e], gradient[e * D
+// + d] and hessian[e * D (D + 1) / 2 + i] (xx, xy, xz, yy, yz, zz as far as they exist); target t
+// has report[t].
 template <class Scalar>
 struct ShapeRows {
   Scalar* value = nullptr;

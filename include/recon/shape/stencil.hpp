@@ -2,8 +2,8 @@
 //
 //     xi = (x_p - x) / rho,   radial: w = w(|xi|),   tensor product: w = prod_d w(|xi_d|),
 //     d w / d x = -(sum_d dw/dxi_d (e_d + xi_d grad rho)) / rho .
-// Weights are divided by the largest, so that a fit does not see their scale. The arrays are kept from target to
-// target: nothing is allocated once warm. Use one object per thread.
+// Weights are divided by the largest, so that a fit does not see their scale. The arrays are kept
+// from target to target: nothing is allocated once warm. Use one object per thread.
 #pragma once
 
 #include <algorithm>
@@ -38,8 +38,9 @@ class Stencil {
     for (int p = 0; p < count_; ++p) xi_[d][p] = offset(p) / rho_;
   }
 
-  // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose weight is not above
-  // eps^2 of the largest: those change nothing in working precision. support_factor as in ShapeProblem.
+  // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose
+  // weight is not above eps^2 of the largest: those change nothing in working precision.
+  // support_factor as in ShapeProblem.
   template <class Weights>
   void weigh(const Weights& weights, WeightForm form, bool slopes, Scalar support_factor = 0) {
     evaluate_weights(weights, form, slopes);
@@ -64,7 +65,8 @@ class Stencil {
   int place(int p) const { return place_[p]; }
 
  private:
-  // w_ and, with slopes, dw_ = d w / d xi. Radial: one factor of q = |xi|; tensor product: one per axis.
+  // w_ and, with slopes, dw_ = d w / d xi. Radial: one factor of q = |xi|; tensor product: one per
+  // axis.
   template <class Weights>
   void evaluate_weights(const Weights& weights, WeightForm form, bool slopes) {
     if (form == WeightForm::radial) {
@@ -82,7 +84,8 @@ class Stencil {
     }
     for (int d = 0; d < D; ++d) {
       for (int p = 0; p < count_; ++p) q_[d][p] = std::abs(xi_[d][p]);
-      weights.evaluate(q_[d].data(), factor_[d].data(), slopes ? slope_[d].data() : nullptr, count_);
+      weights.evaluate(q_[d].data(), factor_[d].data(), slopes ? slope_[d].data() : nullptr,
+                       count_);
     }
     for (int p = 0; p < count_; ++p) {
       w_[p] = factor_[0][p];
@@ -108,7 +111,8 @@ class Stencil {
     }
   }
 
-  // grad rho for rho = support_factor * distance to the farthest neighbour; 0 for supports that stand still.
+  // grad rho for rho = support_factor * distance to the farthest neighbour; 0 for supports that
+  // stand still.
   std::array<Scalar, D> support_gradient(WeightForm form, Scalar support_factor) const {
     std::array<Scalar, D> gradient{};
     if (support_factor <= 0) return gradient;
@@ -141,7 +145,8 @@ class Stencil {
     place_.clear();
     if (!(largest >= std::numeric_limits<Scalar>::min())) return;
     const Scalar inverse = 1 / largest;
-    const Scalar least = largest * std::numeric_limits<Scalar>::epsilon() * std::numeric_limits<Scalar>::epsilon();
+    const Scalar least =
+        largest * std::numeric_limits<Scalar>::epsilon() * std::numeric_limits<Scalar>::epsilon();
     for (int p = 0; p < count_; ++p) {
       if (!(w_[p] > least)) continue;
       const std::size_t to = place_.size();

@@ -1,19 +1,23 @@
 // Weight functions: how much a particle counts at a distance.
 //
 // A weight is a function w(q) of q = |x - x_p| / rho, with rho the support radius (a length) and q
-// without unit; w > 0 for q < 1 and w = 0 for q >= 1. It multiplies the squared residual of the fit:
+// without unit; w > 0 for q < 1 and w = 0 for q >= 1. It multiplies the squared residual of the
+// fit:
 //     minimise  sum_p w(q_p) (p(x_p) - u_p)^2 .
-// Its scale does not matter to a fit. Radial weights use one q; a tensor-product weight is the product of
-// one factor w(|x_d - x_pd| / rho) per axis, with the support a cube.
+// Its scale does not matter to a fit. Radial weights use one q; a tensor-product weight is the
+// product of one factor w(|x_d - x_pd| / rho) per axis, with the support a cube.
 //
-// Written here, each a small struct with operator() and derivative() = dw/dq for any arithmetic type:
-//   BSpline<P>, P = 1..5    centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h the cardinal
+// Written here, each a small struct with operator() and derivative() = dw/dq for any arithmetic
+// type:
+//   BSpline<P>, P = 1..5    centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h
+//   the cardinal
 //                           spline has rho = (P + 1) h / 2: linear h, quadratic 1.5 h, cubic 2 h.
 //                           P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al. (2019) eq. 10.
-//   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions (Wendland 1995).
-//   Gaussian                exp(-(q/c)^2), lowered so that it is continuous at q = 1
+//   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions (Wendland
+//   1995). Gaussian                exp(-(q/c)^2), lowered so that it is continuous at q = 1
 //                           (Belytschko, Lu, Gu 1994), c = shape / rho.
-//   InverseDistance         (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): nearly interpolating.
+//   InverseDistance         (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): nearly
+//   interpolating.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +32,8 @@
 
 namespace recon {
 
-// A weight of your own: any copyable type with these two. It is called with 0 <= q < 1 only, and must
-// return finite numbers, w(q) >= 0; it is called concurrently.
+// A weight of your own: any copyable type with these two. It is called with 0 <= q < 1 only, and
+// must return finite numbers, w(q) >= 0; it is called concurrently.
 template <class W>
 concept RadialWeight = std::copy_constructible<W> && requires(const W& w, double q) {
   { w(q) } -> std::convertible_to<double>;             // q = |x - x_p| / rho, no unit
@@ -56,7 +60,9 @@ constexpr double binomial(int n, int k) {
   return value;
 }
 
-constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
+constexpr double factorial(int n) {
+  return n < 2 ? 1.0 : n * factorial(n - 1);
+}
 
 }  // namespace detail
 
@@ -74,8 +80,7 @@ struct BSpline {
   }
   template <class T>
   constexpr T derivative(T q) const {
-    return sum<P - 1>((T(1) - q) * T((P + 1) / 2.0)) *
-           T(-(P + 1) / 2.0 / detail::factorial(P - 1));
+    return sum<P - 1>((T(1) - q) * T((P + 1) / 2.0)) * T(-(P + 1) / 2.0 / detail::factorial(P - 1));
   }
 
  private:
@@ -106,7 +111,8 @@ struct Wendland {
     const T r = max(T(T(1) - q), T(0));
     if constexpr (K == 0) return r * r;
     if constexpr (K == 2) return detail::power<4>(r) * (T(4) * q + T(1));
-    if constexpr (K == 4) return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * T(1.0 / 3);
+    if constexpr (K == 4)
+      return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * T(1.0 / 3);
     if constexpr (K == 6)
       return detail::power<8>(r) * (((T(32) * q + T(25)) * q + T(8)) * q + T(1));
   }
@@ -117,8 +123,7 @@ struct Wendland {
     if constexpr (K == 0) return T(-2) * r;
     if constexpr (K == 2) return T(-20) * q * detail::power<3>(r);
     if constexpr (K == 4) return T(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
-    if constexpr (K == 6)
-      return T(-22) * q * ((T(16) * q + T(7)) * q + T(1)) * detail::power<7>(r);
+    if constexpr (K == 6) return T(-22) * q * ((T(16) * q + T(7)) * q + T(1)) * detail::power<7>(r);
   }
 };
 
@@ -178,15 +183,16 @@ enum class Weight {
 
 enum class WeightForm { radial, tensor_product };
 
-// All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic", "wendland_c0",
+// All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic",
+// "wendland_c0",
 // ..., "gaussian", "inverse_distance".
 std::span<const Weight> all_weights();
 std::string_view name_of(Weight weight);
 // Throws InvalidArgument with the nearest valid names for an unknown one.
 Weight weight_named(std::string_view name);
 
-// Any weight, chosen at run time: one of the enumerators, or an object of your own that is a RadialWeight.
-// It is evaluated for many q in one call, so the choice costs nothing inside a loop.
+// Any weight, chosen at run time: one of the enumerators, or an object of your own that is a
+// RadialWeight. It is evaluated for many q in one call, so the choice costs nothing inside a loop.
 class WeightFunction {
  public:
   WeightFunction(Weight weight = Weight::cubic_b_spline);
