@@ -21,12 +21,12 @@ struct Neighbour {
   friend bool operator==(const Neighbour&, const Neighbour&) = default;
 };
 
-// Which periodic image of a particle is meant: its position plus shift[d] periods along each axis d.
+// Which periodic image of a particle is meant: its position plus shift[d] periods along axis d.
 using ImageShift = std::array<std::int8_t, max_dimension>;
 
-// The neighbours of target t are indices[offsets[t]] .. indices[offsets[t + 1] - 1]. `shifts` is empty
-// in domains that are not periodic; else it has an entry per index. `support` holds the support radius
-// rho (a length) of every target.
+// The neighbours of target t are indices[offsets[t]] .. indices[offsets[t + 1] - 1]. `shifts` is
+// empty in domains that are not periodic; else it has an entry per index. `support` holds the
+// support radius rho (a length) of every target.
 template <class Scalar>
 struct NeighbourList {
   std::vector<std::int64_t> offsets{0};
@@ -42,7 +42,8 @@ struct NeighbourList {
 
   // Throws InvalidArgument unless the list is one for `target_count` targets among `particle_count`
   // particles: offsets start at 0, never fall and end at the number of indices; every index is
-  // smaller than particle_count; shifts are absent or one per index; supports are positive and finite.
+  // smaller than particle_count; shifts are absent or one per index; supports are positive
+  // and finite.
   void validate(std::size_t target_count, std::size_t particle_count) const;
 };
 

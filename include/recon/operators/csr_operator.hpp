@@ -60,10 +60,16 @@ class CsrOperator {
   std::size_t columns() const { return pattern_->columns; }  // particles
   int blocks() const { return blocks_; }                     // numbers per entry
   std::size_t entries() const { return pattern_->indices.size(); }
-  std::span<const std::int64_t> offsets() const { return pattern_->offsets; }
-  std::span<const ParticleIndex> indices() const { return pattern_->indices; }
-  std::span<const Scalar> values() const { return values_; }  // entry-major: [e * blocks + b]
-  std::span<const std::uint32_t> empty_rows() const { return pattern_->empty_rows; }
+  std::span<const std::int64_t> offsets() const& { return pattern_->offsets; }
+  std::span<const ParticleIndex> indices() const& { return pattern_->indices; }
+  std::span<const Scalar> values() const& { return values_; }  // entry-major: [e * blocks + b]
+  std::span<const std::uint32_t> empty_rows() const& { return pattern_->empty_rows; }
+
+  // A span of a temporary operator, as in fit.gradient().values(), would dangle: give the operator a name.
+  void offsets() && = delete;
+  void indices() && = delete;
+  void values() && = delete;
+  void empty_rows() && = delete;
 
   // A row per target; throws InvalidArgument where the field has not one value per particle, or has
   // one that is not finite (naming the particle and the component).

@@ -16,7 +16,7 @@
 // order in which it lies in memory. field_of on data that are not const gives a view that can be
 // written.
 //
-// Temporaries are refused at compile time: a view of one would dangle.
+// Temporaries that own their numbers are refused at compile time: a view of one would dangle.
 #pragma once
 
 #include <Eigen/Core>
@@ -201,6 +201,9 @@ requires((Derived::Flags & Eigen::DirectAccessBit) !=
       m.rowStride() * static_cast<std::ptrdiff_t>(sizeof(Scalar)));
 }
 
+template <class Derived>
+void points_of(Eigen::PlainObjectBase<Derived>&& temporary) = delete;
+
 // A flat array x0 y0 z0 x1 y1 z1 ... of points of the given dimension.
 template <detail::StableArray Range>
 requires detail::is_scalar<std::ranges::range_value_t<Range>>
@@ -284,6 +287,9 @@ requires((Derived::Flags & Eigen::DirectAccessBit) != 0 &&
                                        static_cast<int>(m.cols()), m.data(), m.rowStride() * bytes,
                                        m.colStride() * bytes);
 }
+
+template <class Derived>
+void field_of(Eigen::PlainObjectBase<Derived>&& temporary) = delete;
 
 // A flat array a0 b0 c0 a1 b1 c1 ... of values with the given number of components.
 template <detail::StableArray Range>

@@ -1,0 +1,93 @@
+// The neighbours of all targets at once: particles, their periodic images, support radii.
+//
+// A rule says who is a neighbour of a target at x, and what its support radius rho (a length) is:
+//   Radius{r}            |x_p - x| <= r;                              rho = r
+//   Radii{r}             |x_p - x| <= r[target];                      rho = r[target]
+//   Nearest{k, factor}   the k nearest particles;                     rho = factor * k-th distance
+//   NearestWithin{k, r}  the k nearest of those with |x_p - x| <= r;  rho = r
+// With SupportShape::cube, for tensor-product weights, the support is the cube |x_p - x| <= rho on
+// every axis: Radius and Radii take all in the cube, NearestWithin the k nearest (Euclidean) in the
+// cube, and Nearest the k nearest with rho = factor * the largest distance along an axis.
+//
+// Order: Radius and Radii list by ascending (index, shift); the nearest rules by ascending
+// (distance, index, shift). The result depends neither on the search method nor on the number of
+// threads, to the bit.
+//
+// Periodic domains: every image of a particle counts, so a particle can be listed several times
+// with different shifts, and supports may exceed the period. The image of p with shift s is at
+// x_p + s * period; its distance is that of x - s * period to x_p. Particles and targets must lie
+// in the domain (PointCloud wraps them). A shift beyond +-127 throws InvalidArgument.
+//
+// Degenerate cases. Fewer than k particles: all of them (in a periodic domain further images
+// instead). All neighbours coincide with the target: rho is the distance to the nearest particle
+// that does not (images not counted), else the mean spacing (volume / particles)^(1 / axes) over
+// the axes along which the particles or the periods extend, else 1. No neighbours at all: count 0;
+// rho is r, or for Nearest the mean spacing, else 1.
+//
+// Cost: building the search, then one query per target (per image that can reach the particles).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <variant>
+
+#include "recon/neighbourhood/neighbour_list.hpp"
+#include "recon/points/domain.hpp"
+#include "recon/points/point_cloud.hpp"
+
+namespace recon {
+
+struct Radius {
+  double radius;  // positive; length
+};
+struct Radii {
+  std::span<const double> radii;  // one per target, positive; length
+};
+struct Nearest {
+  std::size_t k;        // at least 1
+  double factor = 1.5;  // larger than 1, so that no neighbour lies on the border of the support
+};
+struct NearestWithin {
+  std::size_t k;  // at least 1
+  double radius;  // positive; length
+};
+using NeighbourRule = std::variant<Radius, Radii, Nearest, NearestWithin>;
+
+enum class SupportShape { ball, cube };
+
+// automatic: the cell grid for one radius, the k-d tree for everything else, brute force for few
+// particles.
+enum class SearchMethod { automatic, kd_tree, r_tree, cell_grid, brute_force };
+
+// May this particle be a neighbour of this target? Called concurrently, possibly more than once for
+// the same pair. A particle that fails takes no place among the k nearest: the search goes on.
+using Visibility = std::function<bool(std::size_t target, std::size_t particle)>;
+
+struct NeighbourOptions {
+  SupportShape shape = SupportShape::ball;
+  SearchMethod search = SearchMethod::automatic;
+  Visibility visible{};  // empty: every particle is
+  int threads = 0;       // 0: default_threads()
+};
+
+// Throws InvalidArgument for rules with values outside their range, radii that are not one per
+// target, clouds of different dimension or outside the periodic domain, and supports that need
+// shifts beyond +-127. find_neighbours_with.hpp does the same with a search of your own.
+template <class Scalar>
+NeighbourList<Scalar> find_neighbours(const PointCloud<Scalar>& particles,
+                                      const PointCloud<Scalar>& targets, const NeighbourRule& rule,
+                                      const PeriodicDomain<Scalar>& domain = {},
+                                      const NeighbourOptions& options = {});
+
+extern template NeighbourList<float> find_neighbours(const PointCloud<float>&,
+                                                     const PointCloud<float>&, const NeighbourRule&,
+                                                     const PeriodicDomain<float>&,
+                                                     const NeighbourOptions&);
+extern template NeighbourList<double> find_neighbours(const PointCloud<double>&,
+                                                      const PointCloud<double>&,
+                                                      const NeighbourRule&,
+                                                      const PeriodicDomain<double>&,
+                                                      const NeighbourOptions&);
+
+}  // namespace recon

@@ -1,0 +1,38 @@
+#include "recon/neighbourhood/neighbour_list.hpp"
+
+#include <cmath>
+#include <string>
+
+namespace recon {
+
+template <class Scalar>
+void NeighbourList<Scalar>::validate(std::size_t target_count, std::size_t particle_count) const {
+  require(offsets.size() == target_count + 1, "number of offsets", offsets.size(),
+          "must be one more than the number of targets");
+  require(offsets.front() == 0, "first offset", offsets.front(), "must be 0");
+  for (std::size_t t = 0; t < target_count; ++t)
+    if (offsets[t + 1] < offsets[t])
+      detail::throw_invalid("offset behind target " + std::to_string(t), offsets[t + 1],
+                            "must not be smaller than the one before");
+  require(offsets.back() == static_cast<std::int64_t>(indices.size()), "last offset",
+          offsets.back(), "must be the number of indices");
+  for (std::size_t t = 0; t < target_count; ++t)
+    for (const ParticleIndex particle : of(t))
+      if (particle >= particle_count)
+        detail::throw_invalid(
+            "neighbour of target " + std::to_string(t), particle,
+            "must be smaller than the number of particles, " + std::to_string(particle_count));
+  require(shifts.empty() || shifts.size() == indices.size(), "number of shifts", shifts.size(),
+          "must be 0 or the number of indices");
+  require(support.size() == target_count, "number of supports", support.size(),
+          "must be the number of targets");
+  for (std::size_t t = 0; t < target_count; ++t)
+    if (!(support[t] > 0) || !std::isfinite(support[t]))
+      detail::throw_invalid("support of target " + std::to_string(t), support[t],
+                            "must be positive and finite");
+}
+
+template struct NeighbourList<float>;
+template struct NeighbourList<double>;
+
+}  // namespace recon
