@@ -1,4 +1,5 @@
-// Gradients: exact ones against finite differences, both kinds against polynomials, unresolved directions.
+// Gradients: exact ones against finite differences, both kinds against polynomials, unresolved
+// directions.
 #include <gtest/gtest.h>
 
 #include "recon/recon.hpp"
@@ -24,8 +25,8 @@ template <class C>
 class ExactGradient : public ::testing::Test {};
 TYPED_TEST_SUITE(ExactGradient, DoubleCases, CaseNames);
 
-// The gradient operator is the derivative of the value operator: through weights, supports that move with the
-// neighbours, periodic images, anisotropy, and every solver.
+// The gradient operator is the derivative of the value operator: through weights, supports that
+// move with the neighbours, periodic images, anisotropy, and every solver.
 TYPED_TEST(ExactGradient, EqualsFiniteDifferences) {
   constexpr int D = TypeParam::D;
   const auto points = random_points<double, D>(D == 1 ? 80 : 400, 3);
@@ -46,28 +47,34 @@ TYPED_TEST(ExactGradient, EqualsFiniteDifferences) {
       cases.push_back({std::string(name_of(solver)) + " degree " + std::to_string(degree),
                        {.degree = degree, .neighbours = Radius{0.4}, .solver = solver}});
   for (const Weight weight : all_weights()) {
-    if (weight == Weight::linear_b_spline) continue;  // has kinks where a finite difference may step over
+    if (weight == Weight::linear_b_spline)
+      continue;  // has kinks where a finite difference may step over
     cases.push_back({std::string(name_of(weight)), {.weight = weight, .neighbours = Radius{0.4}}});
   }
   const auto tensor = WeightForm::tensor_product;
   cases.push_back({"tensor product", {.degree = 2, .form = tensor, .neighbours = Radius{0.4}}});
   cases.push_back({"nearest", {.degree = 2, .neighbours = Nearest{k}}});
-  cases.push_back({"nearest, tensor product", {.degree = 2, .form = tensor, .neighbours = Nearest{k}}});
+  cases.push_back(
+      {"nearest, tensor product", {.degree = 2, .form = tensor, .neighbours = Nearest{k}}});
   cases.push_back({"periodic", {.degree = 1, .neighbours = Radius{0.4}, .domain = periodic}});
-  cases.push_back({"stretched", {.degree = 1, .neighbours = Radius{0.4}, .stretch = {1.2, 0.8, 1.1}}});
+  cases.push_back(
+      {"stretched", {.degree = 1, .neighbours = Radius{0.4}, .stretch = {1.2, 0.8, 1.1}}});
 
   const auto evaluate = [&](const PointList<double, D>& at, const Options& options) {
     return reconstruct(points_of(points), points_of(at), options).apply(field_of(values));
   };
   for (const auto& [name, options] : cases) {
-    const auto gradient = reconstruct(points_of(points), points_of(targets), options).gradient().apply(field_of(values));
+    const auto gradient = reconstruct(points_of(points), points_of(targets), options)
+                              .gradient()
+                              .apply(field_of(values));
     // The difference quotient of a function computed to about 1e-14 is good to 1e-8 at this step.
     const double step = 1e-6;
     for (int d = 0; d < D; ++d) {
       auto before = targets, after = targets;
       for (auto& x : before) x[d] -= step;
       for (auto& x : after) x[d] += step;
-      const Eigen::MatrixXd difference = (evaluate(after, options) - evaluate(before, options)) / (2 * step);
+      const Eigen::MatrixXd difference =
+          (evaluate(after, options) - evaluate(before, options)) / (2 * step);
       for (std::size_t t = 0; t < targets.size(); ++t)
         EXPECT_NEAR(gradient(t, d), difference(t, 0), 2e-7 * (1 + std::abs(gradient(t, d))))
             << name << ", axis " << d << ", target " << t;
@@ -79,7 +86,8 @@ template <class C>
 class Gradient : public ::testing::Test {};
 TYPED_TEST_SUITE(Gradient, AllCases, CaseNames);
 
-// sum_p grad phi_p m(x_p - x) = grad m at 0 for every monomial up to the degree, in both kinds; and second derivatives.
+// sum_p grad phi_p m(x_p - x) = grad m at 0 for every monomial up to the degree, in both kinds; and
+// second derivatives.
 TYPED_TEST(Gradient, ReproducesPolynomials) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
@@ -89,11 +97,15 @@ TYPED_TEST(Gradient, ReproducesPolynomials) {
   for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt})
     for (int degree = 1; degree <= 4; ++degree)
       for (const int order : {1, 2, 3}) {  // exact gradient, diffuse gradient, Hessian
-        Options options{.degree = degree, .neighbours = Nearest{static_cast<std::size_t>(3 * monomial_count(D, degree))},
-                        .solver = solver};
+        Options options{
+            .degree = degree,
+            .neighbours = Nearest{static_cast<std::size_t>(3 * monomial_count(D, degree))},
+            .solver = solver};
         const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets), options);
         if (order == 3 && degree < 2) continue;
-        const auto op = order == 1 ? fit.gradient() : order == 2 ? fit.gradient(Derivative::diffuse) : fit.hessian();
+        const auto op = order == 1   ? fit.gradient()
+                        : order == 2 ? fit.gradient(Derivative::diffuse)
+                                     : fit.hessian();
         for (std::size_t t = 0; t < targets.size(); ++t) {
           const FitReport& report = fit.report()[t];
           const double rho = fit.neighbours().support[t];
@@ -105,38 +117,44 @@ TYPED_TEST(Gradient, ReproducesPolynomials) {
                 long double term = op.values()[i * op.blocks() + b];
                 for (int d = 0; d < D; ++d)
                   for (int n = 0; n < e[d]; ++n)
-                    term *= (static_cast<long double>(points[op.indices()[i]][d]) - targets[t][d]) / rho;
+                    term *= (static_cast<long double>(points[op.indices()[i]][d]) - targets[t][d]) /
+                            rho;
                 sum += term;
                 scale += std::abs(term);
               }
               // In units of 1/rho, 1/rho^2: the derivative of xi^e at 0.
               const int jet = order == 3 ? 1 + D + b : 1 + b;
               double expected = j == jet ? 1 : 0;
-              if (order == 3 && j == jet && *std::max_element(e.begin(), e.end()) == 2) expected = 2;
+              if (order == 3 && j == jet && *std::max_element(e.begin(), e.end()) == 2)
+                expected = 2;
               const double unit = order == 3 ? rho * rho : rho;
               EXPECT_NEAR(static_cast<double>(sum) * unit, expected,
                           rounding<Scalar>(report) * 10 * (1 + static_cast<double>(scale) * unit))
-                  << name_of(solver) << " degree " << degree << " order " << order << " monomial " << j << " block " << b;
+                  << name_of(solver) << " degree " << degree << " order " << order << " monomial "
+                  << j << " block " << b;
             }
           }
         }
       }
 }
 
-// Particles on a line: the slope along the line is found, none is invented across it, and the report says so.
+// Particles on a line: the slope along the line is found, none is invented across it, and the
+// report says so.
 TYPED_TEST(Gradient, UnresolvedDirectionIsReportedNotInvented) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   if constexpr (D >= 2) {
     const auto points = diagonal_points<Scalar, D>(40, 3);
     std::vector<Scalar> u;
-    for (const auto& x : points) u.push_back(2 + 3 * x[0]);  // slope 3 per unit of x along the diagonal
+    for (const auto& x : points)
+      u.push_back(2 + 3 * x[0]);  // slope 3 per unit of x along the diagonal
     PointList<Scalar, D> targets(1);
     targets[0].fill(Scalar(0.5));
     targets[0][0] = Scalar(0.6);  // beside the line
     for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt}) {
-      const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
-                                            {.degree = 1, .neighbours = Radius{0.5}, .solver = solver});
+      const BasicReconstruction<Scalar> fit(
+          points_of(points), points_of(targets),
+          {.degree = 1, .neighbours = Radius{0.5}, .solver = solver});
       EXPECT_EQ(fit.report()[0].kept[1], 1);
       EXPECT_EQ(fit.report()[0].status, FitStatus::reduced);
       const auto g = fit.gradient(Derivative::diffuse).apply(field_of(std::as_const(u)));

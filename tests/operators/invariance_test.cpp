@@ -30,30 +30,34 @@ std::vector<double> row(const CsrOperator<Scalar>& op, std::size_t t) {
   return values;
 }
 
-// Differences that hang on directions thinner than `resolution` (relative) are no differences: rounding of the
-// moved coordinates hides them.
-// The two reconstructions give the same shape functions and ranks; `slack` is the relative change of the inputs, which
-// the result may magnify by its own sensitivity.
+// Differences that hang on directions thinner than `resolution` (relative) are no differences:
+// rounding of the moved coordinates hides them. The two reconstructions give the same shape
+// functions and ranks; `slack` is the relative change of the inputs, which the result may magnify
+// by its own sensitivity.
 template <class Scalar>
-void expect_same(const BasicReconstruction<Scalar>& a, const BasicReconstruction<Scalar>& b, double slack,
-                 const std::string& where, double resolution = 0) {
+void expect_same(const BasicReconstruction<Scalar>& a, const BasicReconstruction<Scalar>& b,
+                 double slack, const std::string& where, double resolution = 0) {
   ASSERT_EQ(a.values().rows(), b.values().rows());
   for (std::size_t t = 0; t < a.values().rows(); ++t) {
     const FitReport &ra = a.report()[t], &rb = b.report()[t];
     if (std::min(ra.rcond, rb.rcond) < resolution * resolution) continue;
-    ASSERT_EQ(ra.kept, rb.kept) << where << ", target " << t << ", rcond " << ra.rcond << " " << rb.rcond
-                                << ", amplification " << ra.amplification << " " << rb.amplification;
+    ASSERT_EQ(ra.kept, rb.kept) << where << ", target " << t << ", rcond " << ra.rcond << " "
+                                << rb.rcond << ", amplification " << ra.amplification << " "
+                                << rb.amplification;
     const auto pa = row(a.values(), t), pb = row(b.values(), t);
-    const double tolerance = slack * (4 + ra.rank) * std::max(1.0f, ra.amplification) / std::max(ra.rcond, 1e-3f);
+    const double tolerance =
+        slack * (4 + ra.rank) * std::max(1.0f, ra.amplification) / std::max(ra.rcond, 1e-3f);
     for (std::size_t p = 0; p < pa.size(); ++p)
-      ASSERT_NEAR(pa[p], pb[p], tolerance) << where << ", target " << t << ", particle " << p << ", rcond "
-                                           << ra.rcond << ", amplification " << ra.amplification;
+      ASSERT_NEAR(pa[p], pb[p], tolerance)
+          << where << ", target " << t << ", particle " << p << ", rcond " << ra.rcond
+          << ", amplification " << ra.amplification;
   }
 }
 
 template <class Scalar, int D>
-BasicReconstruction<Scalar> fit(const PointList<Scalar, D>& points, const PointList<Scalar, D>& targets, int degree,
-                                double radius, WeightForm form = WeightForm::radial) {
+BasicReconstruction<Scalar> fit(const PointList<Scalar, D>& points,
+                                const PointList<Scalar, D>& targets, int degree, double radius,
+                                WeightForm form = WeightForm::radial) {
   Options options;
   options.degree = degree;
   options.form = form;
@@ -62,14 +66,16 @@ BasicReconstruction<Scalar> fit(const PointList<Scalar, D>& points, const PointL
   return BasicReconstruction<Scalar>(points_of(points), points_of(targets), options);
 }
 
-// Moved by 1e6 in double (128 in float, where 1e6 would leave no digits), on coordinates that can be moved exactly.
+// Moved by 1e6 in double (128 in float, where 1e6 would leave no digits), on coordinates that can
+// be moved exactly.
 TYPED_TEST(Invariance, Translation) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   const bool single = sizeof(Scalar) == 4;
   const double shift = single ? 128 : 1e6;
   for (auto cloud : hostile_clouds<Scalar, D>()) {
-    if (cloud.name == "clustered at 1e-6" || cloud.name == "almost flat") continue;  // smaller than the unit below
+    if (cloud.name == "clustered at 1e-6" || cloud.name == "almost flat")
+      continue;  // smaller than the unit below
     auto targets = hostile_targets<Scalar, D>(cloud.points);
     quantise<Scalar, D>(cloud.points, single ? 14 : 20);
     quantise<Scalar, D>(targets, single ? 14 : 20);
@@ -80,7 +86,8 @@ TYPED_TEST(Invariance, Translation) {
     for (int degree = 0; degree <= 3; ++degree) {
       expect_same(fit<Scalar, D>(cloud.points, targets, degree, 0.47),
                   fit<Scalar, D>(moved, moved_targets, degree, 0.47), 20 * TypeParam::eps,
-                  cloud.name + ", degree " + std::to_string(degree), 100 * TypeParam::eps * shift / 0.47);
+                  cloud.name + ", degree " + std::to_string(degree),
+                  100 * TypeParam::eps * shift / 0.47);
       if (::testing::Test::HasFatalFailure()) return;
     }
   }
@@ -100,24 +107,26 @@ TYPED_TEST(Invariance, Scaling) {
       const bool exact = scale != 1e6 && scale != 1e-6;
       if (!exact && cloud.name == "clustered at 1e-6") continue;
       for (int degree = 0; degree <= 3; ++degree) {
-        expect_same(fit<Scalar, D>(cloud.points, targets, degree, 0.47),
-                    fit<Scalar, D>(scaled, scaled_targets, degree, 0.47 * scale),
-                    (exact ? 20 : 2000) * TypeParam::eps,
-                    cloud.name + ", degree " + std::to_string(degree) + ", scale " + std::to_string(scale));
+        expect_same(
+            fit<Scalar, D>(cloud.points, targets, degree, 0.47),
+            fit<Scalar, D>(scaled, scaled_targets, degree, 0.47 * scale),
+            (exact ? 20 : 2000) * TypeParam::eps,
+            cloud.name + ", degree " + std::to_string(degree) + ", scale " + std::to_string(scale));
         if (::testing::Test::HasFatalFailure()) return;
       }
     }
   }
 }
 
-// A rotation leaves radial reconstructions alone even where directions are dropped: what is kept on a line or
-// a sphere is a property of the particles, not of the axes.
+// A rotation leaves radial reconstructions alone even where directions are dropped: what is kept on
+// a line or a sphere is a property of the particles, not of the axes.
 TYPED_TEST(Invariance, Rotation) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   if constexpr (D >= 2) {
     for (const auto& cloud : hostile_clouds<Scalar, D>()) {
-      if (cloud.name == "clustered at 1e-6") continue;  // rounding of the rotated coordinates is 1e-10 of a cluster
+      if (cloud.name == "clustered at 1e-6")
+        continue;  // rounding of the rotated coordinates is 1e-10 of a cluster
       const auto targets = hostile_targets<Scalar, D>(cloud.points);
       for (const double angle : {std::acos(-1.0) / 4, 1.0, std::acos(-1.0) / 2}) {
         const auto rotate = [angle](PointList<Scalar, D> points) {
@@ -131,8 +140,10 @@ TYPED_TEST(Invariance, Rotation) {
         };
         for (int degree = 0; degree <= 3; ++degree) {
           expect_same(fit<Scalar, D>(cloud.points, targets, degree, 0.47),
-                      fit<Scalar, D>(rotate(cloud.points), rotate(targets), degree, 0.47), 2000 * TypeParam::eps,
-                      cloud.name + ", degree " + std::to_string(degree) + ", angle " + std::to_string(angle));
+                      fit<Scalar, D>(rotate(cloud.points), rotate(targets), degree, 0.47),
+                      2000 * TypeParam::eps,
+                      cloud.name + ", degree " + std::to_string(degree) + ", angle " +
+                          std::to_string(angle));
           if (::testing::Test::HasFatalFailure()) return;
         }
       }

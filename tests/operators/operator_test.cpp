@@ -27,10 +27,12 @@ class Operator : public ::testing::Test {};
 TYPED_TEST_SUITE(Operator, AllCases, CaseNames);
 
 template <class Scalar>
-Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> random_matrix(std::size_t rows, int columns, int seed) {
+Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> random_matrix(std::size_t rows, int columns,
+                                                                    int seed) {
   RandomNumbers random(seed);
   Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> m(rows, columns);
-  for (Eigen::Index i = 0; i < m.size(); ++i) m.data()[i] = static_cast<Scalar>(random.uniform(-1, 1));
+  for (Eigen::Index i = 0; i < m.size(); ++i)
+    m.data()[i] = static_cast<Scalar>(random.uniform(-1, 1));
   return m;
 }
 
@@ -52,9 +54,12 @@ TYPED_TEST(Operator, TransposeIsAdjointAndEqualsTheSparseMatrix) {
         auto au = op.apply(field_of(u));
         for (const auto t : op.empty_rows()) au.row(t).setZero();
         const auto atf = op.apply_transpose(field_of(f));
-        const double left = (au.template cast<double>().array() * f.template cast<double>().array()).sum();
-        const double right = (u.template cast<double>().array() * atf.template cast<double>().array()).sum();
-        const double scale = au.template cast<double>().norm() * f.template cast<double>().norm() + 1e-30;
+        const double left =
+            (au.template cast<double>().array() * f.template cast<double>().array()).sum();
+        const double right =
+            (u.template cast<double>().array() * atf.template cast<double>().array()).sum();
+        const double scale =
+            au.template cast<double>().norm() * f.template cast<double>().norm() + 1e-30;
         EXPECT_NEAR(left / scale, right / scale, 200 * TypeParam::eps) << cloud.name;
 
         const auto sparse = to_sparse(op);
@@ -72,8 +77,10 @@ TYPED_TEST(Operator, TransposeIsAdjointAndEqualsTheSparseMatrix) {
 TYPED_TEST(Operator, SameBitsForAnyNumberOfThreads) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
-  const auto points = random_points<Scalar, D>(3000, 1), targets = random_points<Scalar, D>(2500, 2);
-  const auto u = random_matrix<Scalar>(points.size(), 3, 1), f = random_matrix<Scalar>(targets.size(), 3, 2);
+  const auto points = random_points<Scalar, D>(3000, 1),
+             targets = random_points<Scalar, D>(2500, 2);
+  const auto u = random_matrix<Scalar>(points.size(), 3, 1),
+             f = random_matrix<Scalar>(targets.size(), 3, 2);
   Options options{.degree = 1, .neighbours = Nearest{10}, .threads = 1};
   const BasicReconstruction<Scalar> one(points_of(points), points_of(targets), options);
   const auto v = one.apply(field_of(u));
@@ -82,8 +89,10 @@ TYPED_TEST(Operator, SameBitsForAnyNumberOfThreads) {
   for (const int threads : {2, 3, 8}) {
     options.threads = threads;
     const BasicReconstruction<Scalar> many(points_of(points), points_of(targets), options);
-    EXPECT_TRUE(std::equal(one.values().values().begin(), one.values().values().end(), many.values().values().begin()));
-    EXPECT_TRUE(std::equal(one.report().all().begin(), one.report().all().end(), many.report().all().begin()));
+    EXPECT_TRUE(std::equal(one.values().values().begin(), one.values().values().end(),
+                           many.values().values().begin()));
+    EXPECT_TRUE(std::equal(one.report().all().begin(), one.report().all().end(),
+                           many.report().all().begin()));
     EXPECT_EQ(v, many.apply(field_of(u)));
     EXPECT_EQ(g, many.gradient().apply(field_of(u)));
     EXPECT_EQ(t, many.apply_transpose(field_of(f)));
@@ -152,15 +161,19 @@ TEST(Reconstruct, NoSupportIsFilledOrNearest) {
   EXPECT_TRUE(std::isnan(fit.apply(field_of(u))(1, 0)));
   EXPECT_TRUE(std::isnan(fit.gradient().apply(field_of(u))(1, 1)));
   options.fill_value = 0;
-  EXPECT_EQ(reconstruct(points_of(points), points_of(targets), options).apply(field_of(u))(1, 0), 0);
+  EXPECT_EQ(reconstruct(points_of(points), points_of(targets), options).apply(field_of(u))(1, 0),
+            0);
   options.unsupported = Unsupported::nearest;
   fit = reconstruct(points_of(points), points_of(targets), options);
   EXPECT_EQ(fit.report()[1].status, FitStatus::nearest);
   EXPECT_EQ(fit.apply(field_of(u))(1, 0), 4);
   EXPECT_NEAR(fit.apply(field_of(u))(0, 0), 2.5, 1e-14);
   EXPECT_EQ(fit.gradient().apply(field_of(u))(1, 0), 0);
-  options.visible = [](std::size_t target, std::size_t particle) { return !(target == 1 && particle == 3); };
-  EXPECT_EQ(reconstruct(points_of(points), points_of(targets), options).apply(field_of(u))(1, 0), 2);
+  options.visible = [](std::size_t target, std::size_t particle) {
+    return !(target == 1 && particle == 3);
+  };
+  EXPECT_EQ(reconstruct(points_of(points), points_of(targets), options).apply(field_of(u))(1, 0),
+            2);
 }
 
 TEST(Reconstruct, SupportsGrowUntilTheDegreeIsReached) {
@@ -185,8 +198,8 @@ TEST(Reconstruct, SupportsGrowUntilTheDegreeIsReached) {
   const auto first = reconstruct(points_of(line), points_of(targets), options);
   options.grow.steps = 5;
   const auto last = reconstruct(points_of(line), points_of(targets), options);
-  EXPECT_TRUE(std::equal(first.values().values().begin(), first.values().values().end(), last.values().values().begin(),
-                         last.values().values().end()));
+  EXPECT_TRUE(std::equal(first.values().values().begin(), first.values().values().end(),
+                         last.values().values().begin(), last.values().values().end()));
 }
 
 TEST(Reconstruct, MaskKeepsTwoBodiesApart) {
@@ -194,10 +207,11 @@ TEST(Reconstruct, MaskKeepsTwoBodiesApart) {
   std::vector<double> u;  // a jump at x = 1/2
   for (const auto& x : points) u.push_back(x[0] < 0.5 ? x[1] : 10 + x[0]);
   for (const NeighbourRule& rule : {NeighbourRule(Radius{0.2}), NeighbourRule(Nearest{12})}) {
-    const auto fit = reconstruct(points_of(points), points_of(targets),
-                                 {.degree = 1, .neighbours = rule, .visible = [&](std::size_t t, std::size_t p) {
-                                    return (targets[t][0] < 0.5) == (points[p][0] < 0.5);
-                                  }});
+    const auto fit =
+        reconstruct(points_of(points), points_of(targets),
+                    {.degree = 1, .neighbours = rule, .visible = [&](std::size_t t, std::size_t p) {
+                       return (targets[t][0] < 0.5) == (points[p][0] < 0.5);
+                     }});
     const auto v = fit.apply(field_of(u));
     for (std::size_t t = 0; t < targets.size(); ++t)
       EXPECT_NEAR(v(t, 0), targets[t][0] < 0.5 ? targets[t][1] : 10 + targets[t][0], 1e-11);
@@ -232,10 +246,14 @@ TEST(Reconstruct, OwnNeighbourList) {
   EXPECT_TRUE(std::equal(fit.values().values().begin(), fit.values().values().end(),
                          expected.values().values().begin()));
   list.indices[5] = 200;
-  EXPECT_THAT(message_of([&] { reconstruct(points_of(points), points_of(targets), list, options); }), HasSubstr("200"));
+  EXPECT_THAT(
+      message_of([&] { reconstruct(points_of(points), points_of(targets), list, options); }),
+      HasSubstr("200"));
   list.indices[5] = 3;
   list.support[4] = -1;
-  EXPECT_THAT(message_of([&] { reconstruct(points_of(points), points_of(targets), list, options); }), HasSubstr("-1"));
+  EXPECT_THAT(
+      message_of([&] { reconstruct(points_of(points), points_of(targets), list, options); }),
+      HasSubstr("-1"));
 }
 
 TEST(Reconstruct, BadInputIsNamed) {
@@ -253,7 +271,8 @@ TEST(Reconstruct, BadInputIsNamed) {
   EXPECT_THAT(error({.grow = {.steps = 3, .factor = 1}}), HasSubstr("grow.factor"));
   EXPECT_THAT(error({.threads = -2}), HasSubstr("threads = -2"));
   EXPECT_THAT(error({.domain = {{0, 0}, {0, 1}, {true, false}}}), HasSubstr("period"));
-  EXPECT_THAT(error({.domain = {{0, 0}, {1, 1}, {false, false, true}}}), HasSubstr("periodic axis = 2"));
+  EXPECT_THAT(error({.domain = {{0, 0}, {1, 1}, {false, false, true}}}),
+              HasSubstr("periodic axis = 2"));
   points[17][1] = std::nan("");
   EXPECT_THAT(error({}), HasSubstr("coordinate y of point 17 of the points = nan: must be finite"));
   points[17][1] = 0;
@@ -261,21 +280,26 @@ TEST(Reconstruct, BadInputIsNamed) {
   EXPECT_THAT(error({}), HasSubstr("coordinate x of point 3 of the targets = inf"));
   targets[3][0] = 0;
   const auto other = random_points<double, 3>(5, 1);
-  EXPECT_THAT(message_of([&] { reconstruct(points_of(points), points_of(other), {}); }), HasSubstr("dimension of the targets = 3"));
+  EXPECT_THAT(message_of([&] { reconstruct(points_of(points), points_of(other), {}); }),
+              HasSubstr("dimension of the targets = 3"));
 
   const auto fit = reconstruct(points_of(points), points_of(targets), {});
   std::vector<double> u(49, 1.0);
   EXPECT_THAT(message_of([&] { fit.apply(field_of(u)); }), HasSubstr("size of the field = 49"));
   u.resize(50, 1.0);
   u[31] = std::nan("");
-  EXPECT_THAT(message_of([&] { fit.apply(field_of(u)); }), HasSubstr("component 0 of the field at point 31 = nan"));
+  EXPECT_THAT(message_of([&] { fit.apply(field_of(u)); }),
+              HasSubstr("component 0 of the field at point 31 = nan"));
   u[31] = 1;
   std::vector<double> out(6);
-  EXPECT_THAT(message_of([&] { fit.apply(field_of(u), field_of(out)); }), HasSubstr("size of the output = 6"));
-  EXPECT_THAT(message_of([&] { fit.gradient().apply_transpose(field_of(targets)).eval(); }), HasSubstr("no InvalidArgument"));
+  EXPECT_THAT(message_of([&] { fit.apply(field_of(u), field_of(out)); }),
+              HasSubstr("size of the output = 6"));
+  EXPECT_THAT(message_of([&] { fit.gradient().apply_transpose(field_of(targets)).eval(); }),
+              HasSubstr("no InvalidArgument"));
   Eigen::MatrixXd three(5, 3);
   three.setZero();
-  EXPECT_THAT(message_of([&] { fit.gradient().apply_transpose(field_of(three)); }), HasSubstr("multiple of the operator's blocks"));
+  EXPECT_THAT(message_of([&] { fit.gradient().apply_transpose(field_of(three)); }),
+              HasSubstr("multiple of the operator's blocks"));
   EXPECT_THAT(message_of([&] { weight_named("cubik"); }), HasSubstr("did you mean 'cubic'"));
 }
 

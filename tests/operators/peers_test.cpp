@@ -1,5 +1,5 @@
-// Cases on which other reconstruction codes return wrong numbers, NaN, or crash; each in 1-D, 2-D and 3-D where it
-// exists there, in float and double, for every solver.
+// Cases on which other reconstruction codes return wrong numbers, NaN, or crash; each in 1-D, 2-D
+// and 3-D where it exists there, in float and double, for every solver.
 #include <gtest/gtest.h>
 
 #include "recon/basis/monomials.hpp"
@@ -30,8 +30,8 @@ std::vector<Scalar> sample(const PointList<Scalar, D>& points, Function&& functi
   return values;
 }
 
-// Sources on the line y = 0 (all axes but the first), targets at y = 0.3 and 0.6: a minimum-norm solution
-// turns the constant 10 into 9.17 and 7.35.
+// Sources on the line y = 0 (all axes but the first), targets at y = 0.3 and 0.6: a minimum-norm
+// solution turns the constant 10 into 9.17 and 7.35.
 TYPED_TEST(PeerFailures, ConstantSurvivesBesideALine) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
@@ -52,15 +52,19 @@ TYPED_TEST(PeerFailures, ConstantSurvivesBesideALine) {
   for (const Solver solver : solvers)
     for (int degree = 0; degree <= 4; ++degree)
       for (const NeighbourRule& rule : {NeighbourRule(Radius{1}), NeighbourRule(Nearest{9})}) {
-        const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
-                                              {.degree = degree, .neighbours = rule, .solver = solver});
+        const BasicReconstruction<Scalar> fit(
+            points_of(points), points_of(targets),
+            {.degree = degree, .neighbours = rule, .solver = solver});
         const auto v = fit.apply(field_of(ten)), s = fit.apply(field_of(linear));
         for (std::size_t t = 0; t < targets.size(); ++t) {
-          EXPECT_NEAR(v(t, 0), 10, 2000 * TypeParam::eps) << name_of(solver) << " degree " << degree << " target " << t;
+          EXPECT_NEAR(v(t, 0), 10, 2000 * TypeParam::eps)
+              << name_of(solver) << " degree " << degree << " target " << t;
           if (degree >= 1) {  // linear along the line, whatever the distance from it
-            EXPECT_NEAR(s(t, 0), 1.1, 2000 * TypeParam::eps) << name_of(solver) << " degree " << degree;
+            EXPECT_NEAR(s(t, 0), 1.1, 2000 * TypeParam::eps)
+                << name_of(solver) << " degree " << degree;
           }
-          EXPECT_EQ(fit.report()[t].status, degree == 0 || D == 1 ? FitStatus::full : FitStatus::reduced);
+          EXPECT_EQ(fit.report()[t].status,
+                    degree == 0 || D == 1 ? FitStatus::full : FitStatus::reduced);
         }
       }
 }
@@ -74,8 +78,9 @@ TYPED_TEST(PeerFailures, FewerNeighboursThanTerms) {
   for (const Solver solver : solvers)
     for (int degree = 1; degree <= 4; ++degree)
       for (std::size_t k = 1; k < static_cast<std::size_t>(monomial_count(D, degree)); ++k) {
-        const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
-                                              {.degree = degree, .neighbours = Nearest{k}, .solver = solver});
+        const BasicReconstruction<Scalar> fit(
+            points_of(points), points_of(targets),
+            {.degree = degree, .neighbours = Nearest{k}, .solver = solver});
         const auto v = fit.apply(field_of(u));
         for (std::size_t t = 0; t < targets.size(); ++t) {
           EXPECT_EQ(fit.report()[t].neighbours, k);
@@ -86,8 +91,9 @@ TYPED_TEST(PeerFailures, FewerNeighboursThanTerms) {
       }
 }
 
-// Degree 1 with about as many neighbours as a careless default gives, on random clouds: errors of 0.64 (11
-// neighbours in 3-D) and of 1e2 (k = number of terms) have been seen on a function of size 1.
+// Degree 1 with about as many neighbours as a careless default gives, on random clouds: errors of
+// 0.64 (11 neighbours in 3-D) and of 1e2 (k = number of terms) have been seen on a function of
+// size 1.
 TYPED_TEST(PeerFailures, FewNeighboursOnRandomCloudsStayBounded) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
@@ -96,17 +102,24 @@ TYPED_TEST(PeerFailures, FewNeighboursOnRandomCloudsStayBounded) {
   for (auto& x : targets)
     for (Scalar& c : x) c = Scalar(0.1) + Scalar(0.8) * c;
   const auto u = sample<Scalar, D>(points, [](const auto& x) { return smooth<Scalar, D>(x); });
-  const double spacing = D == 1 ? 1e-3 : D == 2 ? 0.02 : 0.06;  // a few mean distances between neighbours
+  const double spacing = D == 1   ? 1e-3
+                         : D == 2 ? 0.02
+                                  : 0.06;  // a few mean distances between neighbours
   for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt})
-    for (const auto& [degree, k] : {std::pair<int, std::size_t>{1, 11}, {1, D + 1}, {2, 20},
+    for (const auto& [degree, k] : {std::pair<int, std::size_t>{1, 11},
+                                    {1, D + 1},
+                                    {2, 20},
                                     {2, std::size_t(monomial_count(D, 2))}}) {
-      const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
-                                            {.degree = degree, .neighbours = Nearest{k}, .solver = solver});
+      const BasicReconstruction<Scalar> fit(
+          points_of(points), points_of(targets),
+          {.degree = degree, .neighbours = Nearest{k}, .solver = solver});
       const auto v = fit.apply(field_of(u));
       double worst = 0;
       for (std::size_t t = 0; t < targets.size(); ++t)
-        worst = std::max(worst, std::abs(static_cast<double>(v(t, 0)) - smooth<Scalar, D>(targets[t])));
-      EXPECT_LT(worst, 6 * spacing + 1e3 * TypeParam::eps) << name_of(solver) << " degree " << degree << " k " << k;
+        worst =
+            std::max(worst, std::abs(static_cast<double>(v(t, 0)) - smooth<Scalar, D>(targets[t])));
+      EXPECT_LT(worst, 6 * spacing + 1e3 * TypeParam::eps)
+          << name_of(solver) << " degree " << degree << " k " << k;
     }
 }
 
@@ -115,13 +128,15 @@ TYPED_TEST(PeerFailures, CollinearSupportIsFinite) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   const auto points = diagonal_points<Scalar, D>(60, 1);
-  const auto u = sample<Scalar, D>(points, [](const auto& x) { return 1 + x[0] - 2 * x[0] * x[0]; });
+  const auto u =
+      sample<Scalar, D>(points, [](const auto& x) { return 1 + x[0] - 2 * x[0] * x[0]; });
   PointList<Scalar, D> targets(2);
   targets[0].fill(Scalar(0.4));
   targets[1].fill(Scalar(0.61));
   for (const Solver solver : solvers) {
-    const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
-                                          {.degree = 2, .neighbours = Radius{0.5}, .solver = solver});
+    const BasicReconstruction<Scalar> fit(
+        points_of(points), points_of(targets),
+        {.degree = 2, .neighbours = Radius{0.5}, .solver = solver});
     const auto v = fit.apply(field_of(u));
     for (int t = 0; t < 2; ++t) {
       const double x = targets[t][0];
@@ -137,13 +152,15 @@ TYPED_TEST(PeerFailures, UnitOfLengthDoesNotDecideRank) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   for (const double unit : {1e-12, 1e-6, 1.0, 1e6, 1e12}) {
-    auto points = jittered_points<Scalar, D>(D == 3 ? 8 : 15, 0.3, 1), targets = random_points<Scalar, D>(20, 2);
+    auto points = jittered_points<Scalar, D>(D == 3 ? 8 : 15, 0.3, 1),
+         targets = random_points<Scalar, D>(20, 2);
     for (auto* list : {&points, &targets})
       for (auto& x : *list)
         for (Scalar& c : x) c = static_cast<Scalar>(c * unit);
     for (const Solver solver : solvers) {
-      const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
-                                            {.degree = 2, .neighbours = Radius{0.45 * unit}, .solver = solver});
+      const BasicReconstruction<Scalar> fit(
+          points_of(points), points_of(targets),
+          {.degree = 2, .neighbours = Radius{0.45 * unit}, .solver = solver});
       EXPECT_EQ(fit.report().summary().full, targets.size()) << unit << " " << name_of(solver);
     }
   }
@@ -154,14 +171,17 @@ TYPED_TEST(PeerFailures, FarFromTheOrigin) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   const double far = sizeof(Scalar) == 4 ? 64 : 1e6;
-  auto points = jittered_points<Scalar, D>(D == 3 ? 8 : 15, 0.3, 1), targets = random_points<Scalar, D>(20, 2);
+  auto points = jittered_points<Scalar, D>(D == 3 ? 8 : 15, 0.3, 1),
+       targets = random_points<Scalar, D>(20, 2);
   for (auto* list : {&points, &targets})
     for (auto& x : *list)
       for (Scalar& c : x) c = static_cast<Scalar>(c + far);
-  const auto u = sample<Scalar, D>(points, [far](const auto& x) { return 3 * (x[0] - far) + (x[D - 1] - far) * (x[0] - far); });
+  const auto u = sample<Scalar, D>(
+      points, [far](const auto& x) { return 3 * (x[0] - far) + (x[D - 1] - far) * (x[0] - far); });
   for (const Solver solver : solvers) {
-    const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
-                                          {.degree = 2, .neighbours = Radius{0.45}, .solver = solver});
+    const BasicReconstruction<Scalar> fit(
+        points_of(points), points_of(targets),
+        {.degree = 2, .neighbours = Radius{0.45}, .solver = solver});
     const auto v = fit.apply(field_of(u));
     EXPECT_EQ(fit.report().summary().full, targets.size());
     for (std::size_t t = 0; t < targets.size(); ++t) {
@@ -183,8 +203,9 @@ TYPED_TEST(PeerFailures, SingularMomentMatrixIsNoticed) {
   for (int i = 0; i < 30; ++i) u[i] += Scalar(i % 2);  // mean 7.5
   for (const Solver solver : solvers)
     for (int degree = 0; degree <= 4; ++degree) {
-      const BasicReconstruction<Scalar> fit(points_of(one_place), points_of(targets),
-                                            {.degree = degree, .neighbours = Radius{0.5}, .solver = solver});
+      const BasicReconstruction<Scalar> fit(
+          points_of(one_place), points_of(targets),
+          {.degree = degree, .neighbours = Radius{0.5}, .solver = solver});
       const auto v = fit.apply(field_of(u));
       for (int t = 0; t < 2; ++t) {
         EXPECT_NEAR(v(t, 0), 7.5, 100 * TypeParam::eps);

@@ -65,7 +65,8 @@ class CsrOperator {
   std::span<const Scalar> values() const& { return values_; }  // entry-major: [e * blocks + b]
   std::span<const std::uint32_t> empty_rows() const& { return pattern_->empty_rows; }
 
-  // A span of a temporary operator, as in fit.gradient().values(), would dangle: give the operator a name.
+  // A span of a temporary operator, as in fit.gradient().values(), would dangle: give the operator
+  // a name.
   void offsets() && = delete;
   void indices() && = delete;
   void values() && = delete;

@@ -41,18 +41,30 @@ class ShapeEvaluator {
  public:
   static constexpr int D = B::dimension;
   using Point = std::array<T, D>;
+  // Exact gradients hold the basis still while the target moves. That needs a space of functions
+  // that is the same about every point: polynomials are; a basis of your own says so with `static
+  // constexpr bool translation_invariant = true`. Others have diffuse gradients only.
+  static constexpr bool has_exact_gradient = [] {
+    if constexpr (requires { B::translation_invariant; }) return bool(B::translation_invariant);
+    return detail::is_monomials<B>;
+  }();
+  static constexpr Derivative default_gradient =
+      has_exact_gradient ? Derivative::exact : Derivative::diffuse;
 
   explicit ShapeEvaluator(W weight, Solver solver = Solver::gram_schmidt,
                           WeightForm form = WeightForm::radial, FitTolerances tolerances = {})
       : weights_{std::move(weight)}, form_(form), solve_(solver, tolerances) {}
 
   // Among the given neighbours; position(p) is the Point of particle p. Particles outside the
-  // support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho or x.
+  // support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho, x or
+  // kind.
   template <class Position>
   requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
   const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
-                                Position&& position, Derivative kind = Derivative::exact) {
+                                Position&& position, Derivative kind = default_gradient) {
     using std::isfinite;
+    require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
+            "must be diffuse for a basis that is not translation_invariant");
     require(rho > T(0) && isfinite(rho), "rho", rho, "must be positive and finite");
     for (const T c : x) require(isfinite(c), "coordinate of x", c, "must be finite");
     const int count = static_cast<int>(neighbours.size());
@@ -91,7 +103,7 @@ class ShapeEvaluator {
   // Among all particles that the search finds in the support.
   template <NeighbourSearch S, class Position>
   const ShapeFunction<T, D>& at(const Point& x, T rho, const S& search, Position&& position,
-                                Derivative kind = Derivative::exact) {
+                                Derivative kind = default_gradient) {
     using Scalar = typename S::Scalar;
     static_assert(S::dimension == D, "the search must have the dimension of the basis");
     std::array<Scalar, D> centre, lower, upper;
