@@ -71,8 +71,10 @@ void row_sums(int components, const Scalar* values, const ParticleIndex* indices
 
 }  // namespace
 
-const SparsityPattern::Transposed& SparsityPattern::transposed() const {
+template <class Scalar>
+const typename SparsityPattern<Scalar>::Transposed& SparsityPattern<Scalar>::transposed() const {
   std::call_once(once_, [this] {
+    const std::vector<ParticleIndex>& indices = neighbours.indices;
     Transposed t;
     t.offsets.assign(columns + 1, 0);
     for (const ParticleIndex p : indices) ++t.offsets[p + 1];
@@ -81,7 +83,7 @@ const SparsityPattern::Transposed& SparsityPattern::transposed() const {
     t.rows.resize(indices.size());
     std::vector<std::int64_t> next(t.offsets.begin(), t.offsets.end() - 1);
     for (std::size_t row = 0; row < rows(); ++row)
-      for (std::int64_t e = offsets[row]; e < offsets[row + 1]; ++e) {
+      for (std::int64_t e = neighbours.offsets[row]; e < neighbours.offsets[row + 1]; ++e) {
         const std::int64_t at = next[indices[e]]++;
         t.entries[at] = e;
         t.rows[at] = static_cast<std::uint32_t>(row);
@@ -92,14 +94,14 @@ const SparsityPattern::Transposed& SparsityPattern::transposed() const {
 }
 
 template <class Scalar>
-CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern> pattern,
+CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> pattern,
                                  std::vector<Scalar> values, int blocks, Scalar fill, int threads)
     : pattern_(std::move(pattern)),
       values_(std::move(values)),
       blocks_(blocks),
       fill_(fill),
       threads_(threads) {
-  require(values_.size() == pattern_->indices.size() * static_cast<std::size_t>(blocks),
+  require(values_.size() == pattern_->neighbours.indices.size() * static_cast<std::size_t>(blocks),
           "values of the operator", values_.size(), "must be blocks numbers per entry");
 }
 
@@ -125,7 +127,7 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
       }
       const std::int64_t first = offsets()[t], last = offsets()[t + 1];
       const Scalar* values = values_.data();
-      const ParticleIndex* index = pattern_->indices.data();
+      const ParticleIndex* index = pattern_->neighbours.indices.data();
       switch (blocks_) {
         case 1:
           row_sums<1>(field.components(), values, index, first, last, in.data(), sums.data());
@@ -194,6 +196,8 @@ typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply_transpose(
   return out;
 }
 
+template struct SparsityPattern<float>;
+template struct SparsityPattern<double>;
 template class CsrOperator<float>;
 template class CsrOperator<double>;
 

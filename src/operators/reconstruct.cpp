@@ -121,14 +121,14 @@ template <class Scalar>
 struct BasicReconstruction<Scalar>::Problem {
   PeriodicDomain<Scalar> domain;
   PointCloud<Scalar> particles, targets;
-  NeighbourList<Scalar> neighbours;
+  NeighbourList<Scalar> neighbours;  // until make_pattern() takes them
   std::shared_ptr<const ShapeKernel<Scalar>> kernel;
   Scalar support_factor = 0, fill = 0;
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
   Solver solver = Solver::gram_schmidt;
   int threads = 0;
   std::vector<std::uint32_t> nearest_rows;  // targets that have the value of the nearest particle
-  std::shared_ptr<const SparsityPattern> pattern;
+  std::shared_ptr<const SparsityPattern<Scalar>> pattern;
 
   Problem(const PointsView<Scalar>& points, const PointsView<Scalar>& at, const Options& options) {
     options.validate();
@@ -230,10 +230,9 @@ struct BasicReconstruction<Scalar>::Problem {
   }
 
   void make_pattern(const std::vector<FitReport>& reports) {
-    auto made = std::make_shared<SparsityPattern>();
+    auto made = std::make_shared<SparsityPattern<Scalar>>();
     made->columns = particles.size();
-    made->offsets = neighbours.offsets;
-    made->indices = neighbours.indices;
+    made->neighbours = std::move(neighbours);
     for (std::size_t t = 0; t < reports.size(); ++t)
       if (reports[t].status == FitStatus::no_support)
         made->empty_rows.push_back(static_cast<std::uint32_t>(t));
@@ -298,8 +297,9 @@ template <class Scalar>
 CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivative kind) const {
   const Problem& p = *problem_;
   const int blocks = second ? dimension() * (dimension() + 1) / 2 : dimension();
-  std::vector<Scalar> values(p.neighbours.indices.size() * static_cast<std::size_t>(blocks));
-  const ShapeProblem<Scalar> problem{p.particles, p.targets,        p.neighbours,
+  std::vector<Scalar> values(p.pattern->neighbours.indices.size() *
+                             static_cast<std::size_t>(blocks));
+  const ShapeProblem<Scalar> problem{p.particles, p.targets,        p.pattern->neighbours,
                                      p.domain,    p.support_factor, p.axis_scale};
   parallel_blocks(p.targets.size(), targets_per_block, p.threads,
                   [&](std::size_t begin, std::size_t end) {
@@ -310,8 +310,8 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivat
                   });
   // The value of the nearest particle is constant about the target.
   for (const std::uint32_t t : p.nearest_rows)
-    std::fill(values.begin() + p.neighbours.offsets[t] * blocks,
-              values.begin() + p.neighbours.offsets[t + 1] * blocks, Scalar(0));
+    std::fill(values.begin() + p.pattern->neighbours.offsets[t] * blocks,
+              values.begin() + p.pattern->neighbours.offsets[t + 1] * blocks, Scalar(0));
   return CsrOperator<Scalar>(p.pattern, std::move(values), blocks, p.fill, p.threads);
 }
 
@@ -327,7 +327,7 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::hessian() const {
 
 template <class Scalar>
 const NeighbourList<Scalar>& BasicReconstruction<Scalar>::neighbours() const {
-  return problem_->neighbours;
+  return problem_->pattern->neighbours;
 }
 
 template <class Scalar>

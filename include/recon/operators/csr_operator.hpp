@@ -26,13 +26,13 @@
 namespace recon {
 
 // Which particle each entry refers to, shared by a value operator and its derivatives.
+template <class Scalar>
 struct SparsityPattern {
-  std::size_t columns = 0;               // particles
-  std::vector<std::int64_t> offsets{0};  // rows + 1
-  std::vector<ParticleIndex> indices;    // per entry; a particle may appear twice (periodic images)
+  std::size_t columns = 0;           // particles
+  NeighbourList<Scalar> neighbours;  // an entry per neighbour; a particle may appear twice (images)
   std::vector<std::uint32_t> empty_rows;  // rows without support, ascending
 
-  std::size_t rows() const { return offsets.size() - 1; }
+  std::size_t rows() const { return neighbours.targets(); }
 
   // The entries of each column in ascending order, made on first use.
   struct Transposed {
@@ -53,15 +53,15 @@ class CsrOperator {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
   CsrOperator() = default;
-  CsrOperator(std::shared_ptr<const SparsityPattern> pattern, std::vector<Scalar> values,
+  CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> pattern, std::vector<Scalar> values,
               int blocks, Scalar fill, int threads);
 
   std::size_t rows() const { return pattern_->rows(); }      // targets
   std::size_t columns() const { return pattern_->columns; }  // particles
   int blocks() const { return blocks_; }                     // numbers per entry
-  std::size_t entries() const { return pattern_->indices.size(); }
-  std::span<const std::int64_t> offsets() const& { return pattern_->offsets; }
-  std::span<const ParticleIndex> indices() const& { return pattern_->indices; }
+  std::size_t entries() const { return pattern_->neighbours.indices.size(); }
+  std::span<const std::int64_t> offsets() const& { return pattern_->neighbours.offsets; }
+  std::span<const ParticleIndex> indices() const& { return pattern_->neighbours.indices; }
   std::span<const Scalar> values() const& { return values_; }  // entry-major: [e * blocks + b]
   std::span<const std::uint32_t> empty_rows() const& { return pattern_->empty_rows; }
 
@@ -84,7 +84,8 @@ class CsrOperator {
   void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
 
  private:
-  std::shared_ptr<const SparsityPattern> pattern_ = std::make_shared<SparsityPattern>();
+  std::shared_ptr<const SparsityPattern<Scalar>> pattern_ =
+      std::make_shared<SparsityPattern<Scalar>>();
   std::vector<Scalar> values_;
   int blocks_ = 1;
   Scalar fill_ = 0;
