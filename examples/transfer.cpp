@@ -1,9 +1,11 @@
 // From particles to a grid and back: values with one operator, forces with its transpose.
 //
-// A particle code often needs both directions. The transpose of the map that makes nodal values of particle data
-// takes nodal forces to particles with the same weights, so that the power is the same on both sides:
+// A particle code often needs both directions. The transpose of the map that makes nodal values of
+// particle data takes nodal forces to particles with the same weights, so that the power is the
+// same on both sides:
 //     sum over nodes f . (A v)  =  sum over particles (A^T f) . v
-// The program checks this, and that a linear velocity field arrives exactly, and prints the numbers.
+// The program checks this, and that a linear velocity field arrives exactly, and prints the
+// numbers.
 #include <recon/recon.hpp>
 
 #include <cmath>
@@ -22,10 +24,12 @@ int main() {
   for (const auto& x : recon::jittered_points<double, 2>(40, 0.3, 1))
     particles.push_back({x, {1 + x[1], 3 - 2 * x[0]}});  // a linear field
 
-  recon::StructuredGrid<double> grid{.dimension = 2, .origin = {0, 0}, .spacing = {0.05, 0.05}, .counts = {21, 21, 1}};
+  recon::StructuredGrid<double> grid{
+      .dimension = 2, .origin = {0, 0}, .spacing = {0.05, 0.05}, .counts = {21, 21, 1}};
   const auto nodes = grid.nodes();
   const auto points = recon::points_of(particles, &Particle::x);
-  const auto fit = recon::reconstruct(points, nodes.view(), {.degree = 1, .neighbours = recon::Radius{0.1}});
+  const auto fit =
+      recon::reconstruct(points, nodes.view(), {.degree = 1, .neighbours = recon::Radius{0.1}});
 
   const auto velocity = recon::field_of(particles, &Particle::v);
   const Eigen::MatrixXd nodal_velocity = fit.apply(velocity);
@@ -44,7 +48,9 @@ int main() {
     power += force(p, 0) * particles[p].v[0] + force(p, 1) * particles[p].v[1];
 
   std::printf("linear field at the nodes: largest error %.1e\n", error);
-  std::printf("power of the nodal forces %.12f, of the particle forces %.12f\n", nodal_power, power);
-  std::printf("%zu of %zu nodes reproduce linear fields\n", fit.report().summary().full, fit.report().size());
+  std::printf("power of the nodal forces %.12f, of the particle forces %.12f\n", nodal_power,
+              power);
+  std::printf("%zu of %zu nodes reproduce linear fields\n", fit.report().summary().full,
+              fit.report().size());
   return error < 1e-12 && std::abs(power - nodal_power) < 1e-10 ? 0 : 1;
 }

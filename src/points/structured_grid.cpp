@@ -16,12 +16,11 @@ void StructuredGrid<Scalar>::validate() const {
   require(dimension >= 1 && dimension <= max_dimension, "dimension of the grid", dimension,
           "must be 1, 2 or 3");
   double nodes = 1;
-  for (int d = 0; d < max_dimension; ++d) {
+  for (int d = 0; d < dimension; ++d) {
     require(std::isfinite(spacing[d]) && spacing[d] > 0, "grid spacing", spacing[d],
             "must be positive and finite");
     require(std::isfinite(origin[d]), "grid origin", origin[d], "must be finite");
-    require(counts[d] >= 1 && (d < dimension || counts[d] == 1), "grid nodes along an axis",
-            counts[d], "must be at least 1, and 1 on axes that the grid does not have");
+    require(counts[d] >= 1, "grid nodes along an axis", counts[d], "must be at least 1");
     nodes *= static_cast<double>(counts[d]);
   }
   require(nodes <= most_nodes, "grid nodes", nodes,

@@ -182,6 +182,9 @@ TEST(StructuredGrid, CoversTheBoxAndFitsThePeriod) {
   EXPECT_EQ(nodes.view().size(), grid.size());
   EXPECT_EQ(nodes.view()(1, 0), 0.0);  // x runs fastest
   EXPECT_EQ(nodes.view()(6, 1), grid.spacing[1]);
+  const StructuredGrid<double> plane{.dimension = 2, .spacing = {0.5, 0.5}, .counts = {3, 2}};
+  EXPECT_EQ(plane.size(), 6u);  // the third axis is not the caller's business
+  EXPECT_EQ(plane.nodes().view()(5, 1), 0.5);
   EXPECT_THROW(covering_grid(box, 0.0), InvalidArgument);
   EXPECT_THROW(covering_grid(box, 1e-9), InvalidArgument);  // too many nodes
   EXPECT_THROW(covering_grid(Box<double>::empty(2), 1.0), InvalidArgument);

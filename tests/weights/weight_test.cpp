@@ -10,6 +10,9 @@
 namespace recon {
 namespace {
 
+static_assert(std::is_copy_constructible_v<WeightFunction> &&
+              std::is_copy_assignable_v<WeightFunction>);
+
 struct Evaluated {
   double value, slope;
 };

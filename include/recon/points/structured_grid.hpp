@@ -10,7 +10,7 @@
 namespace recon {
 
 // Node (i, j, k) lies at origin + (i, j, k) * spacing; the first axis runs fastest in a flat index.
-// Axes at and above `dimension` have one node.
+// What stands for axes at and above `dimension` is not used: they have one node, at 0.
 template <class Scalar>
 struct StructuredGrid {
   int dimension = 3;
@@ -18,10 +18,11 @@ struct StructuredGrid {
   std::array<Scalar, max_dimension> spacing{1, 1, 1};
   std::array<std::size_t, max_dimension> counts{1, 1, 1};
 
-  std::size_t size() const { return counts[0] * counts[1] * counts[2]; }
+  std::size_t count(int axis) const { return axis < dimension ? counts[axis] : 1; }
+  std::size_t size() const { return count(0) * count(1) * count(2); }
 
   std::array<std::size_t, max_dimension> index(std::size_t node) const {
-    return {node % counts[0], node / counts[0] % counts[1], node / (counts[0] * counts[1])};
+    return {node % count(0), node / count(0) % count(1), node / (count(0) * count(1))};
   }
   Scalar coordinate(std::size_t i, int axis) const {
     return origin[axis] + static_cast<Scalar>(i) * spacing[axis];

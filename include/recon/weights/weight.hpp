@@ -197,8 +197,11 @@ class WeightFunction {
  public:
   WeightFunction(Weight weight = Weight::cubic_b_spline);
 
-  template <RadialWeight W>
-  WeightFunction(W weight) : state_(std::make_shared<const W>(std::move(weight))) {
+  // The exclusion comes first: a concept that asked whether a WeightFunction can be copied would
+  // ask for itself.
+  template <class W>
+  requires(!std::same_as<W, WeightFunction> && RadialWeight<W>) WeightFunction(W weight)
+      : state_(std::make_shared<const W>(std::move(weight))) {
     evaluate_double_ = &run<W, double>;
     evaluate_float_ = &run<W, float>;
   }
