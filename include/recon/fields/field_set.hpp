@@ -1,0 +1,76 @@
+// Results with names: what the writers write.
+//
+// A NamedField holds `components` numbers for each of size() points, point after point (the value
+// of component c at point i is values[i * components + c]). A FieldSet is a list of them that
+// belong to the same points, with the step and the time they belong to, where these are known.
+//
+// Values are kept as double whatever they mean; `type` says how a file stores them. Counts, ranks,
+// degrees and states are int32, so that a viewer shows 3 and not 3.0. NaN is allowed in float64 and
+// float32 ("no value here": a masked node) and nowhere else.
+//
+// Wrong input throws InvalidArgument naming the field: an empty name or one with control
+// characters, a name used twice, a number of values that is no multiple of the components, a value
+// that the type cannot hold (2.5 or NaN as int32, 1e300 as float32).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recon/points/view.hpp"
+
+namespace recon {
+
+enum class NumberType { float64, float32, int32 };
+
+struct NamedField {
+  std::string name;
+  int components = 1;
+  std::vector<double> values;  // point-major: point after point
+  NumberType type = NumberType::float64;
+
+  // Number of points.
+  std::size_t size() const { return values.size() / static_cast<std::size_t>(components); }
+
+  // The values without a copy, as operators take them; valid while `values` is not changed.
+  FieldView<double> view() const {
+    constexpr std::ptrdiff_t number = sizeof(double);
+    return {size(), components, values.data(), components * number, number};
+  }
+
+  // Throws InvalidArgument where a rule at the top of this file is broken.
+  void validate() const;
+};
+
+// Suffix of a component: "_x", "_y", "_z" where there are as many components as dimensions, else
+// "_0", "_1", ...; nothing for a field of one component.
+std::string component_suffix(const NamedField& field, int component, int dimension);
+
+class FieldSet {
+ public:
+  std::optional<std::int64_t> step;
+  std::optional<double> time;
+
+  // Appends a field after validating it.
+  void add(NamedField field);
+  void add(std::string name, int components, std::vector<double> values,
+           NumberType type = NumberType::float64);
+
+  // Throws InvalidArgument for a name that is not there, with the nearest ones that are.
+  const NamedField& operator[](std::string_view name) const;
+
+  std::size_t size() const { return fields_.size(); }
+  bool empty() const { return fields_.empty(); }
+  auto begin() const { return fields_.begin(); }
+  auto end() const { return fields_.end(); }
+
+  // Throws InvalidArgument unless every field has one value per point.
+  void require_size(std::size_t points) const;
+
+ private:
+  std::vector<NamedField> fields_;
+};
+
+}  // namespace recon

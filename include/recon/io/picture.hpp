@@ -1,0 +1,94 @@
+// Pictures of results: heat maps of fields on grids, and curves. PNG, or SVG by the extension .svg.
+//
+// gnuplot draws them, as a program of its own (Debian: apt-get install gnuplot-nox): it is found on
+// PATH, gets its script on the standard input and never sees a file name or a shell. Texts are
+// shown letter by letter, whatever they contain. A picture appears complete or not at all
+// (atomic_file.hpp).
+//
+//   recon::HeatMap map;
+//   map.panels.push_back({.title = "density", .grid = grid, .values = density});
+//   map.colour_label = "density / (kg/m^3)";
+//   recon::draw("density.png", map);
+//
+// HeatMap. Each node of a 2-D grid is a rectangle of one spacing around it, coloured along viridis
+// (perceptually uniform, readable without red-green vision, grey in print); NaN is grey. Equal
+// lengths on both axes where the shape allows (between 1 : 12 and 12 : 1). All panels share axis
+// ranges and colour range. A map of 1-D grids is drawn as curves; of a 3-D grid take a slice()
+// first.
+//
+// LinePlot. Curves of (x, y); a NaN in y interrupts a curve. On a log axis all numbers must be
+// positive.
+//
+// Wrong input throws InvalidArgument (sizes that disagree, infinite values, no panel or curve, a
+// number that is not positive on a log axis); an unknown extension, a gnuplot that is missing or
+// fails (with what it said), and trouble with the file throw FileError.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "recon/io/error.hpp"
+#include "recon/points/structured_grid.hpp"
+
+namespace recon {
+
+// A grid of one dimension less, with the values of a field of one component at its nodes.
+struct GridSlice {
+  StructuredGrid<double> grid;
+  std::vector<double> values;
+};
+
+// The nodes of `grid` whose index along `axis` is `index`. The remaining axes keep their order: the
+// slice of an x-y-z grid normal to y has the axes x and z.
+GridSlice slice(const StructuredGrid<double>& grid, std::span<const double> values, int axis,
+                std::size_t index);
+
+using Range = std::array<double, 2>;  // lower < upper
+
+struct HeatMapPanel {
+  std::string title;
+  StructuredGrid<double> grid;              // 2-D (or 1-D, see the top)
+  std::vector<double> values;               // one per node; NaN: no value there
+  std::vector<std::array<double, 2>> dots;  // drawn on top, for example the particles
+};
+
+struct HeatMap {
+  std::string title;
+  std::vector<HeatMapPanel> panels;
+  std::string x_label = "x", y_label = "y", colour_label;
+  std::optional<Range> x_range, y_range;  // default: what the grids cover
+  std::optional<Range> colour_range;  // default: least and greatest value; beyond: the end colours
+  int columns = 0;                    // panels in a row; 0: all, or one where panels are wide
+  double scale = 1;                   // of the whole picture, texts included
+};
+
+enum class CurveStyle { line, markers, line_and_markers };
+
+struct Curve {
+  std::string name;  // in the legend; none if empty
+  std::vector<double> x, y;
+  CurveStyle style = CurveStyle::line_and_markers;
+};
+
+struct LinePlot {
+  std::string title;
+  std::vector<Curve> curves;
+  std::string x_label = "x", y_label = "y";
+  bool log_x = false, log_y = false;
+  std::optional<Range> x_range, y_range;  // default: what the curves cover, and a margin
+  // A dashed line y ~ x^slope below the first curve, to compare with; needs both axes logarithmic.
+  std::optional<double> reference_slope;
+  double scale = 1;
+};
+
+void draw(const std::filesystem::path& path, const HeatMap& map);
+void draw(const std::filesystem::path& path, const LinePlot& plot);
+
+// Throws the FileError of draw() for an extension other than .png and .svg.
+void require_picture_extension(const std::filesystem::path& path);
+
+}  // namespace recon

@@ -1,0 +1,54 @@
+// Fields into files: CSV for tables, VTK XML for pictures in ParaView and VisIt.
+//
+//   .csv   write_csv   points and their fields as delimited text
+//   .vti   write_vti   fields at the nodes of a structured grid (VTK ImageData)
+//   .vtp   write_vtp   fields at scattered points (VTK PolyData, one vertex per point)
+//
+// write() chooses by the extension. All of them write the whole file or none of it
+// (atomic_file.hpp).
+//
+// CSV. One header line: x, y, z (as many as there are dimensions), then the fields under their own
+// names; a field of several components becomes name_x, name_y, name_z where it has as many
+// components as there are dimensions, else name_0, name_1, ... Numbers have the fewest digits that
+// read back to the same bits, NaN is written as nan. Names are quoted where they hold a delimiter,
+// a quote, a blank at an end, or could be taken for a number or a comment. read_particles() reads
+// the file back.
+//
+// VTK. Little-endian on any machine, raw binary appended to the XML, 64-bit headers, no
+// compression; cost and size are those of the numbers. Step and time of the FieldSet become field
+// data under the names "step" and "TimeValue" (the one that ParaView takes for the time).
+// Components are named x, y, z where the field has as many as there are dimensions. Missing axes of
+// a 1-D or 2-D grid or cloud are written as one node, or zero. The writer is recon's own because
+// the only packaged one is VTK itself: 257 packages and 0.8 GB on Debian 12 for 200 lines.
+//
+// Wrong input throws InvalidArgument: fields that are not one value per point, a coordinate that is
+// not finite, two columns of one name. Trouble with the file throws FileError.
+#pragma once
+
+#include <filesystem>
+
+#include "recon/fields/field_set.hpp"
+#include "recon/io/error.hpp"
+#include "recon/points/structured_grid.hpp"
+#include "recon/points/view.hpp"
+
+namespace recon {
+
+void write_csv(const std::filesystem::path& path, const PointsView<double>& points,
+               const FieldSet& fields);
+void write_vti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+               const FieldSet& fields);
+void write_vtp(const std::filesystem::path& path, const PointsView<double>& points,
+               const FieldSet& fields);
+
+// By extension: .csv or .vti for a grid, .csv or .vtp for points. FileError for another one.
+void write(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+           const FieldSet& fields);
+void write(const std::filesystem::path& path, const PointsView<double>& points,
+           const FieldSet& fields);
+
+// Throws the FileError of write() for an extension that it does not know, so that a program can
+// find out before a long computation. grid: whether a grid is to be written, or points.
+void require_writable_extension(const std::filesystem::path& path, bool grid);
+
+}  // namespace recon

@@ -1,0 +1,17 @@
+// gnuplot as a program of its own: a script in, a picture out.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace recon::detail {
+
+// Text as a gnuplot string of which nothing is expanded.
+std::string gnuplot_string(const std::string& text);
+
+// Runs `script`, which must not set terminal or output, and makes `path` what gnuplot draws. Width
+// and height in pixels, before the scale. Throws FileError (see recon/io/picture.hpp).
+void run_gnuplot(const std::filesystem::path& path, int width, int height, double scale,
+                 const std::string& script);
+
+}  // namespace recon::detail

@@ -1,0 +1,208 @@
+// VTK XML files with appended raw data (kitware.github.io/vtk-examples, "VTK XML file formats"):
+//
+//   <VTKFile ...> ... <DataArray ... format="appended" offset="0"/> ... <AppendedData>_[blocks]
+//
+// A block is its length in bytes as UInt64 and then the numbers; offsets count from the byte after
+// '_'.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+
+#include "number_text.hpp"
+#include "recon/io/atomic_file.hpp"
+#include "recon/io/write.hpp"
+
+namespace recon {
+
+namespace {
+
+template <class Number>
+void append_little_endian(std::string& bytes, Number number) {
+  char raw[sizeof number];
+  std::memcpy(raw, &number, sizeof number);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof raw);
+  bytes.append(raw, sizeof raw);
+}
+
+// Text as the value of an attribute.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&apos;";
+        break;
+      default:
+        out += c;
+    }
+  return out;
+}
+
+const char* type_name(NumberType type) {
+  switch (type) {
+    case NumberType::float32:
+      return "Float32";
+    case NumberType::int32:
+      return "Int32";
+    default:
+      return "Float64";
+  }
+}
+
+std::size_t type_size(NumberType type) {
+  return type == NumberType::float64 ? 8 : 4;
+}
+
+// Collects the arrays of a file: first their descriptions, then, in the same order, their blocks.
+class VtkFile {
+ public:
+  VtkFile(const std::filesystem::path& path, const std::string& kind) : file_(path), kind_(kind) {
+    xml_ = "<?xml version=\"1.0\"?>\n<VTKFile type=\"" + kind +
+           "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+  }
+
+  void xml(const std::string& text) { xml_ += text; }
+
+  // Describes an array of `count` numbers, which put(append) will write: append(bytes, i) for each.
+  template <class Append>
+  void array(const std::string& attributes, const char* type, std::size_t count, std::size_t size,
+             Append append) {
+    xml_ += "<DataArray type=\"" + std::string(type) + "\" " + attributes +
+            " format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
+    offset_ += sizeof(std::uint64_t) + count * size;
+    blocks_.push_back([count, size, append](AtomicFile& file) {
+      std::string bytes;
+      append_little_endian(bytes, static_cast<std::uint64_t>(count * size));
+      for (std::size_t i = 0; i < count; ++i) {
+        append(bytes, i);
+        if (bytes.size() < (1 << 16)) continue;
+        file.write(bytes);
+        bytes.clear();
+      }
+      file.write(bytes);
+    });
+  }
+
+  void commit() {
+    xml_ += "</" + kind_ + ">\n<AppendedData encoding=\"raw\">\n_";
+    file_.write(xml_);
+    for (const auto& block : blocks_) block(file_);
+    file_.write("\n</AppendedData>\n</VTKFile>\n");
+    file_.commit();
+  }
+
+ private:
+  AtomicFile file_;
+  std::string kind_, xml_;
+  std::uint64_t offset_ = 0;
+  std::vector<std::function<void(AtomicFile&)>> blocks_;
+};
+
+void describe_time(VtkFile& file, const FieldSet& fields) {
+  if (!fields.step && !fields.time) return;
+  file.xml("<FieldData>\n");
+  if (fields.step)
+    file.array("Name=\"step\" NumberOfTuples=\"1\"", "Int64", 1, 8,
+               [step = *fields.step](std::string& bytes, std::size_t) {
+                 append_little_endian(bytes, step);
+               });
+  if (fields.time)
+    file.array("Name=\"TimeValue\" NumberOfTuples=\"1\"", "Float64", 1, 8,
+               [time = *fields.time](std::string& bytes, std::size_t) {
+                 append_little_endian(bytes, time);
+               });
+  file.xml("</FieldData>\n");
+}
+
+void describe_fields(VtkFile& file, const FieldSet& fields, int dimension) {
+  file.xml("<PointData>\n");
+  for (const NamedField& field : fields) {
+    std::string attributes = "Name=\"" + escaped(field.name) + "\" NumberOfComponents=\"" +
+                             std::to_string(field.components) + "\"";
+    if (field.components == dimension && dimension > 1)
+      for (int c = 0; c < dimension; ++c)
+        attributes += " ComponentName" + std::to_string(c) + "=\"" + "xyz"[c] + "\"";
+    file.array(attributes, type_name(field.type), field.values.size(), type_size(field.type),
+               [&field](std::string& bytes, std::size_t i) {
+                 const double value = field.values[i];
+                 switch (field.type) {
+                   case NumberType::int32:
+                     return append_little_endian(bytes, static_cast<std::int32_t>(value));
+                   case NumberType::float32:
+                     return append_little_endian(bytes, static_cast<float>(value));
+                   default:
+                     return append_little_endian(bytes, value);
+                 }
+               });
+  }
+  file.xml("</PointData>\n");
+}
+
+}  // namespace
+
+void write_vti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+               const FieldSet& fields) {
+  grid.validate();
+  fields.require_size(grid.size());
+  std::string extent, origin, spacing;
+  for (int d = 0; d < max_dimension; ++d) {
+    const bool used = d < grid.dimension;
+    for (std::string* list : {&extent, &origin, &spacing})
+      if (d > 0) *list += ' ';
+    extent.append("0 ").append(std::to_string(used ? grid.counts[d] - 1 : 0));
+    detail::append_number(origin, used ? grid.origin[d] : 0.0);
+    detail::append_number(spacing, used ? grid.spacing[d] : 1.0);
+  }
+  VtkFile file(path, "ImageData");
+  file.xml("<ImageData WholeExtent=\"" + extent + "\" Origin=\"" + origin + "\" Spacing=\"" +
+           spacing + "\">\n");
+  describe_time(file, fields);
+  file.xml("<Piece Extent=\"" + extent + "\">\n");
+  describe_fields(file, fields, grid.dimension);
+  file.xml("</Piece>\n");
+  file.commit();
+}
+
+void write_vtp(const std::filesystem::path& path, const PointsView<double>& points,
+               const FieldSet& fields) {
+  fields.require_size(points.size());
+  bounding_box(points);  // throws for a coordinate that is not finite
+  const std::string count = std::to_string(points.size());
+  VtkFile file(path, "PolyData");
+  file.xml("<PolyData>\n");
+  describe_time(file, fields);
+  file.xml("<Piece NumberOfPoints=\"" + count + "\" NumberOfVerts=\"" + count +
+           "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n");
+  describe_fields(file, fields, points.dimension());
+  file.xml("<Points>\n");
+  file.array("Name=\"Points\" NumberOfComponents=\"3\"", "Float64", 3 * points.size(), 8,
+             [points](std::string& bytes, std::size_t i) {
+               const int axis = static_cast<int>(i % 3);
+               append_little_endian(bytes, axis < points.dimension() ? points(i / 3, axis) : 0.0);
+             });
+  file.xml("</Points>\n<Verts>\n");
+  const auto number = [](std::string& bytes, std::size_t i) {
+    append_little_endian(bytes, static_cast<std::int64_t>(i));
+  };
+  file.array("Name=\"connectivity\"", "Int64", points.size(), 8, number);
+  file.array("Name=\"offsets\"", "Int64", points.size(), 8,
+             [number](std::string& bytes, std::size_t i) { number(bytes, i + 1); });
+  file.xml("</Verts>\n</Piece>\n");
+  file.commit();
+}
+
+}  // namespace recon

@@ -1,0 +1,154 @@
+#include "recon/fields/particle_table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "recon/core/error.hpp"
+
+namespace {
+
+using recon::Box;
+using recon::ParticleTable;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::string message(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const recon::InvalidArgument& error) {
+    return error.what();
+  }
+  return "no exception";
+}
+
+ParticleTable cube() {
+  ParticleTable table;
+  table.add_column("id", {11, 12, 13});
+  table.add_column("x", {0, 1, 2});
+  table.add_column("y", {3, 4, 5});
+  table.add_column("z", {6, 7, 8});
+  table.add_column("vx", {1, nan, 2});
+  table.source = "test";
+  return table;
+}
+
+TEST(ParticleTable, Columns) {
+  const ParticleTable table = cube();
+  EXPECT_EQ(table.size(), 3u);
+  EXPECT_TRUE(table.has("vx"));
+  EXPECT_THAT(table.column("y"), ElementsAre(3, 4, 5));
+  EXPECT_THAT(message([&] { table.column("vz"); }), HasSubstr("did you mean 'z' or 'vx'?"));
+  EXPECT_THAT(message([&] { table.column("temperature"); }), HasSubstr("valid: id, x, y, z, vx"));
+  EXPECT_THAT(message([&] { ParticleTable().column("x"); }), HasSubstr("no columns"));
+}
+
+TEST(ParticleTable, WrongColumns) {
+  ParticleTable table = cube();
+  EXPECT_THAT(message([&] { table.add_column("x", {1, 2, 3}); }), HasSubstr("only once"));
+  EXPECT_THAT(message([&] { table.add_column("", {1, 2, 3}); }), HasSubstr("empty"));
+  EXPECT_THAT(message([&] { table.add_column("w", {1}); }), HasSubstr("of the other columns, 3"));
+}
+
+TEST(ParticleTable, NanIsNeverHandedOut) {
+  ParticleTable table = cube();
+  table.set_lines({4, 5, 9});
+  EXPECT_THAT(message([&] { table.column("vx"); }),
+              HasSubstr("column vx, row 1 (id 12, line 5) of test = nan"));
+  EXPECT_THAT(message([&] { table.field("v", {"x", "vx"}); }), HasSubstr("row 1 (id 12"));
+  table.set_coordinates({"x", "vx"});
+  EXPECT_THAT(message([&] { table.positions(); }), HasSubstr("column vx, row 1"));
+  EXPECT_EQ(table.raw_column("vx")[2], 2);
+}
+
+TEST(ParticleTable, FieldOfColumns) {
+  const auto field = cube().field("p", {"z", "x"});
+  EXPECT_EQ(field.components, 2);
+  EXPECT_THAT(field.values, ElementsAre(6, 0, 7, 1, 8, 2));
+}
+
+TEST(ParticleTable, Dimensions) {
+  ParticleTable table = cube();
+  EXPECT_EQ(table.dimension(), 3);
+  EXPECT_EQ(table.positions()(2, 2), 8);
+  EXPECT_EQ(table.positions(1).dimension(), 1);
+  EXPECT_THAT(message([&] { table.positions(4); }), HasSubstr("dimension = 4"));
+  ParticleTable line;
+  line.add_column("xu", {1, 2});
+  EXPECT_EQ(line.dimension(), 1);
+  EXPECT_THAT(message([&] { line.positions(2); }), HasSubstr("must not exceed"));
+  ParticleTable flat = line;
+  flat.add_column("y", {1, 1});
+  EXPECT_EQ(flat.dimension(), 2);  // only a constant z counts as none
+  flat.add_column("z", {0.5, 0.5});
+  EXPECT_EQ(flat.dimension(), 2);
+  EXPECT_EQ(flat.positions(3).dimension(), 3);
+  EXPECT_THAT(flat.coordinates(3), ElementsAre("xu", "y", "z"));
+}
+
+TEST(ParticleTable, OneParticleKeepsItsZ) {
+  ParticleTable table;
+  for (const char* name : {"x", "y", "z"}) table.add_column(name, {1});
+  EXPECT_EQ(table.dimension(), 3);
+}
+
+TEST(ParticleTable, MissingCoordinates) {
+  ParticleTable table;
+  table.add_column("r", {1});
+  EXPECT_THAT(message([&] { table.positions(); }), HasSubstr("coordinate column x = not found"));
+  EXPECT_THAT(message([&] { table.set_coordinates({"q"}); }), HasSubstr("column = q"));
+  EXPECT_THAT(message([&] { table.set_coordinates({}); }), HasSubstr("must be 1, 2 or 3"));
+  EXPECT_THAT(message([&] { table.set_coordinates({"r", "r"}); }), HasSubstr("only once"));
+  table.set_coordinates({"r"});
+  EXPECT_EQ(table.positions()(0, 0), 1);
+  ParticleTable gap;
+  gap.add_column("x", {1});
+  gap.add_column("z", {1});
+  EXPECT_THAT(message([&] { gap.dimension(); }), HasSubstr("coordinate column y"));
+}
+
+TEST(ParticleTable, BoxFollowsTheCoordinates) {
+  ParticleTable table = cube();
+  EXPECT_FALSE(table.has_box());
+  EXPECT_EQ(table.box().upper[2], 8);  // of the particles
+  EXPECT_FALSE(table.domain().any());
+  table.set_box(Box<double>{{0, 10, 20}, {5, 15, 30}, 3}, {false, false, true});
+  table.set_coordinates({"x", "z"});
+  EXPECT_EQ(table.box().dimension, 2);
+  EXPECT_EQ(table.box().lower[1], 20);
+  EXPECT_EQ(table.domain().periodic, (std::array<bool, 3>{false, true, false}));
+  EXPECT_EQ(table.domain().period(1), 10);
+  EXPECT_NO_THROW(table.domain().validate(2));
+}
+
+TEST(ParticleTable, WrongBoxes) {
+  ParticleTable table = cube();
+  const auto set = [&](Box<double> box, std::array<bool, 3> periodic) {
+    return message([&] { table.set_box(box, periodic); });
+  };
+  EXPECT_THAT(set({{0, 0, 0}, {1, -1, 1}, 3}, {}), HasSubstr("extent"));
+  EXPECT_THAT(set({{0, 0, 0}, {1, nan, 1}, 3}, {}), HasSubstr("extent"));
+  EXPECT_THAT(set({{0, 0, 0}, {1, 0, 1}, 3}, {false, true, false}), HasSubstr("period"));
+  EXPECT_FALSE(table.has_box());
+}
+
+TEST(ParticleTable, ViewsSurviveAMove) {
+  ParticleTable table = cube();
+  const auto points = table.positions();
+  const ParticleTable moved = std::move(table);
+  EXPECT_EQ(&moved.column("x")[0], &moved.raw_column("x")[0]);
+  EXPECT_EQ(points(1, 1), 4);
+}
+
+TEST(ParticleTable, TextColumns) {
+  ParticleTable table = cube();
+  table.add_text_column("element", "Fe", 10);
+  EXPECT_THAT(table.text_columns(), ElementsAre("element"));
+  EXPECT_THAT(message([&] { table.column("element"); }), HasSubstr("holds text ('Fe' on line 10)"));
+}
+
+}  // namespace

@@ -1,0 +1,249 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "recon/core/error.hpp"
+#include "recon/io/read.hpp"
+#include "temporary.hpp"
+
+namespace {
+
+using recon::list_frames;
+using recon::ParticleTable;
+using recon::read_particles;
+using test::expect_file_error;
+using test::TemporaryFolder;
+
+std::string frame(int step, const std::string& columns, const std::string& atoms, int count,
+                  const std::string& bounds = " pp ff fs") {
+  return "ITEM: TIMESTEP\n" + std::to_string(step) + "\nITEM: NUMBER OF ATOMS\n" +
+         std::to_string(count) + "\nITEM: BOX BOUNDS" + bounds +
+         "\n-1 3\n0 2\n-5.0e-1 1e+1\nITEM: ATOMS " + columns + "\n" + atoms;
+}
+
+const std::string two_atoms = "7 0.5 1.5 2 1e-3\n3 -1 0.25 4 -2\n";
+
+class Lammps : public testing::Test {
+ protected:
+  ParticleTable read(const std::string& text, int number = -1) {
+    return read_particles(folder.file("a.dump", text), {.frame = number});
+  }
+  void expect_error(const std::string& text, std::size_t line, const std::string& part) {
+    expect_file_error([&] { read(text); }, line, part);
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(Lammps, ReadsAFrame) {
+  const ParticleTable table = read(frame(40, "id x y z vx", two_atoms, 2));
+  EXPECT_EQ(table.size(), 2u);
+  EXPECT_EQ(table.step, 40);
+  EXPECT_FALSE(table.time);
+  EXPECT_EQ(table.names(), (std::vector<std::string>{"id", "x", "y", "z", "vx"}));
+  EXPECT_EQ(table.column("id"), (std::vector<double>{7, 3}));  // order of the file
+  EXPECT_EQ(table.column("vx"), (std::vector<double>{1e-3, -2}));
+  EXPECT_EQ(table.dimension(), 3);
+  EXPECT_EQ(table.box().lower, (std::array<double, 3>{-1, 0, -0.5}));
+  EXPECT_EQ(table.box().upper, (std::array<double, 3>{3, 2, 10}));
+  EXPECT_EQ(table.domain().periodic, (std::array<bool, 3>{true, false, false}));
+  EXPECT_EQ(table.describe_row(1), "row 1 (id 3, line 11)");
+  EXPECT_TRUE(table.remarks.empty());
+}
+
+TEST_F(Lammps, ColumnsMayStandInAnyOrder) {
+  const ParticleTable table = read(frame(0, "vx z y x c_e[1]", "9 3 2 1 8\n", 1));
+  EXPECT_EQ(table.positions(3)(0, 0), 1);
+  EXPECT_EQ(table.positions(3)(0, 2), 3);
+  EXPECT_EQ(table.column("c_e[1]")[0], 8);
+}
+
+TEST_F(Lammps, UnitsAndTime) {
+  const std::string text = "ITEM: UNITS\nsi\nITEM: TIME\n0.125\n" +
+                           frame(1, "id x y z vx", two_atoms, 2) + "ITEM: TIME\n0.25\n" +
+                           frame(2, "id x y z vx", two_atoms, 2);
+  EXPECT_EQ(read(text, 0).time, 0.125);
+  EXPECT_EQ(read(text, 1).time, 0.25);
+  EXPECT_EQ(read(text, 1).units, "si");
+  const auto frames = list_frames(folder / "a.dump");
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[1].line, 16u);
+  EXPECT_EQ(frames[1].step, 2);
+  EXPECT_EQ(frames[1].particles, 2u);
+}
+
+TEST_F(Lammps, ScaledCoordinatesAreUnscaled) {
+  const ParticleTable table = read(frame(0, "id xs ys zs", "1 0.25 0.5 0\n2 1 0 1\n", 2));
+  EXPECT_EQ(table.column("x"), (std::vector<double>{0, 3}));
+  EXPECT_EQ(table.column("y"), (std::vector<double>{1, 0}));
+  EXPECT_EQ(table.column("z"), (std::vector<double>{-0.5, 10}));
+  EXPECT_EQ(table.remarks.size(), 1u);
+  const ParticleTable unwrapped = read(frame(0, "xsu ysu zsu", "1.5 0.5 0\n-1 0 1\n", 2));
+  EXPECT_EQ(unwrapped.column("xu"), (std::vector<double>{5, -5}));
+  EXPECT_EQ(unwrapped.coordinates(), (std::vector<std::string>{"xu", "yu", "zu"}));
+}
+
+TEST_F(Lammps, PlainCoordinatesGoBeforeScaledOnes) {
+  const ParticleTable table = read(frame(0, "xs x y z", "0.5 77 1 1\n0.5 78 1 2\n", 2));
+  EXPECT_EQ(table.column("x"), (std::vector<double>{77, 78}));
+}
+
+TEST_F(Lammps, ConstantZMeansTwoDimensions) {
+  const ParticleTable table = read(frame(0, "x y z", "1 2 0\n2 3 0\n", 2, " pp pp pp"));
+  EXPECT_EQ(table.dimension(), 2);
+  EXPECT_EQ(table.positions().dimension(), 2);
+  EXPECT_FALSE(table.domain().periodic[2]);
+  EXPECT_TRUE(table.domain(3).periodic[2]);
+  EXPECT_EQ(table.box().dimension, 2);
+}
+
+TEST_F(Lammps, AllBoundaryFlags) {
+  for (const char* flags : {" pp pp pp", " ff fs fm", " sf ss sm", " mf ms mm"})
+    EXPECT_EQ(read(frame(0, "x y z", "1 2 0\n", 1, flags)).domain(3).periodic[0],
+              std::string(flags) == " pp pp pp");
+}
+
+TEST_F(Lammps, WithoutFlagsNotPeriodicAndSaid) {
+  const ParticleTable table = read(frame(0, "x y z", "1 2 0\n", 1, ""));
+  EXPECT_FALSE(table.domain(3).any());
+  ASSERT_EQ(table.remarks.size(), 1u);
+  EXPECT_NE(table.remarks[0].find("no boundary flags"), std::string::npos);
+}
+
+TEST_F(Lammps, WindowsLineEndsAndBlankEnd) {
+  std::string text = frame(3, "id x y z vx", two_atoms, 2), windows;
+  for (const char c : text) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  EXPECT_EQ(read(windows + "\r\n \r\n").column("vx"), (std::vector<double>{1e-3, -2}));
+  text.pop_back();  // last line without an end
+  EXPECT_EQ(read(text).column("vx"), (std::vector<double>{1e-3, -2}));
+}
+
+TEST_F(Lammps, TextColumnsAreListed) {
+  const ParticleTable table = read(frame(0, "element x y z", "Fe 1 2 3\nO 1 2 4\n", 2));
+  EXPECT_EQ(table.text_columns(), (std::vector<std::string>{"element"}));
+  ASSERT_EQ(table.remarks.size(), 1u);
+  EXPECT_NE(table.remarks[0].find("element"), std::string::npos);
+  test::expect_invalid([&] { table.column("element"); }, "'Fe' on line 10");
+}
+
+TEST_F(Lammps, NoAtomsIsAFrameToo) {
+  EXPECT_EQ(read(frame(0, "id x y z", "", 0)).size(), 0u);
+}
+
+TEST_F(Lammps, NanIsReportedWhenUsed) {
+  const ParticleTable table = read(frame(0, "id x y z vx", "7 1 2 3 nan\n8 1 inf 4 0\n", 2));
+  EXPECT_TRUE(std::isnan(table.raw_column("vx")[0]));
+  test::expect_invalid([&] { table.column("vx"); },
+                       "column vx, row 0 (id 7, line 10) of a.dump, frame 0, step 0 = nan");
+  test::expect_invalid([&] { table.positions(); }, "column y, row 1 (id 8, line 11)");
+}
+
+TEST_F(Lammps, ChoosesFrames) {
+  const std::string text = frame(10, "x y z", "1 0 0\n", 1) +
+                           frame(20, "x y z", "2 0 0\n2 0 1\n", 2) +
+                           frame(30, "x y z", "3 0 0\n", 1);
+  EXPECT_EQ(read(text, 0).step, 10);
+  EXPECT_EQ(read(text, 1).step, 20);
+  EXPECT_EQ(read(text, -1).step, 30);
+  EXPECT_EQ(read(text, -3).step, 10);
+  EXPECT_EQ(read(text, 1).source, "a.dump, frame 1, step 20");
+  for (const int wrong : {3, -4, 1000000, -1000000})
+    expect_file_error([&] { read(text, wrong); }, 0, "the file has 3 frames (0 to 2");
+}
+
+TEST_F(Lammps, TriclinicIsRefused) {
+  expect_file_error([&] { read(frame(0, "x y z", "1 2 3\n", 1, " xy xz yz pp pp pp")); }, 5,
+                    "triclinic");
+  expect_file_error([&] { read(frame(0, "x y z", "1 2 3\n", 1, " abc origin pp pp pp")); }, 5,
+                    "triclinic");
+  std::string text = frame(0, "x y z", "1 2 3\n", 1);
+  text.replace(text.find("-1 3"), 4, "-1 3 0");
+  expect_error(text, 6, "triclinic");
+}
+
+TEST_F(Lammps, BrokenLines) {
+  expect_error(frame(0, "x y z", "1 2 3\n4 5\n", 2), 11, "has 2 cells, ITEM: ATOMS names 3");
+  expect_error(frame(0, "x y z", "1 2 3\n4 5 6 7\n", 2), 11, "has 4 cells");
+  expect_error(frame(0, "x y z", "1 2 3\n\n", 2), 11, "has 0 cells");
+  expect_error(frame(0, "x y z", "1 2 3\n4 5q 6\n", 2), 11, "'5q' is not a number: column 'y'");
+  expect_error(frame(0, "x y z", "oops 2 3\n", 1), 10, "'oops' is not a number: column 'x'");
+  expect_error(frame(0, "x y z", "1 2 3\n4 0x5 6\n", 2), 11, "'0x5'");
+  expect_error(frame(0, "x y z", "1 2 1e999\n", 1), 10, "double can hold");
+  EXPECT_EQ(read(frame(0, "x y z", "1 +2 -1e-999\n", 1)).column("z")[0], 0);
+}
+
+TEST_F(Lammps, WrongNumberOfAtoms) {
+  expect_error(frame(0, "x y z", "1 2 3\n", 2), 10, "the file ends after 1 of the 2 atoms");
+  expect_error(frame(0, "x y z", "1 2 3\n4 5 6\n", 1), 11, "ITEM:");
+  expect_error(frame(0, "x y z", "1 2 3\n", 3) + frame(1, "x y z", "1 2 3\n", 1), 11,
+               "a new section begins after 1 of the 3 atoms of the frame at line 1");
+  expect_error(frame(0, "x y z", "", 2000000000), 9, "the file ends after 0 of the 2000000000");
+  expect_error(frame(0, "x y z", "", -2), 4, "must not be negative");
+}
+
+TEST_F(Lammps, AFrameBeforeADamagedOneCanBeRead) {
+  const std::string text = frame(0, "x y z", "1 2 3\n", 1) + frame(5, "x y z", "1 2 3\n", 2);
+  EXPECT_EQ(read(text, 0).step, 0);
+  expect_error(text, 20, "the file ends after 1 of the 2 atoms of the frame at line 11");
+}
+
+TEST_F(Lammps, BrokenHeaders) {
+  expect_error("ITEM: TIMESTEP\n1.5\n", 2, "'1.5' is no whole number");
+  expect_error("ITEM: TIMESTEP\n", 1, "the file ends where ITEM: TIMESTEP needs a line");
+  expect_error("ITEM: TIMESTEP\nITEM: NUMBER OF ATOMS\n", 2, "ITEM: TIMESTEP needs a line");
+  expect_error("ITEM: TIMESTEP\n1\n", 2, "ends in the header");
+  expect_error("ITEM: TIMESTEP\n1\nfoo\n", 3, "'foo' where a line ITEM: was expected");
+  expect_error("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ENTRIES\n1\n", 3, "'NUMBER OF ENTRIES'");
+  expect_error("ITEM: TIMESTEP\n1\nITEM: ATOMS x\n", 3, "no ITEM: NUMBER OF ATOMS");
+  expect_error("ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x\n", 3, "no ITEM: TIMESTEP");
+  expect_error("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x\n", 5,
+               "no ITEM: BOX BOUNDS");
+  expect_error(frame(0, "", "1 2 3\n", 1), 9, "names no columns");
+  expect_error(frame(0, "x y x", "1 2 3\n", 1), 9, "'x' is that of columns 1 and 3");
+  expect_error(frame(0, "x", "1\n", 1, " pp pp"), 5, "two boundary letters");
+  expect_error(frame(0, "x", "1\n", 1, " pp pf ff"), 5, "'pf' is no boundary");
+  expect_error(frame(0, "x", "1\n", 1, " pp qq ff"), 5, "'qq' is no boundary");
+  std::string text = frame(0, "x y z", "1 2 3\n", 1);
+  text.replace(text.find("-1 3"), 4, "-1");
+  expect_error(text, 6, "two numbers");
+  text.replace(text.find("\n0 2"), 4, "\n2 0");
+  text.replace(text.find("-1\n"), 2, "0 1");
+  expect_error(text, 7, "lower < upper along y");
+  text.replace(text.find("0 1"), 3, "0 nan");
+  expect_error(text, 6, "'nan' is no finite number");
+}
+
+TEST_F(Lammps, Chute) {
+  const std::filesystem::path path = std::string(RECON_SOURCE_DIR) + "/examples/data/chute.dump.gz";
+  const auto frames = list_frames(path);
+  ASSERT_EQ(frames.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(frames[i].step, 25000 + 5000 * static_cast<int>(i));
+    EXPECT_EQ(frames[i].particles, 3000u);
+    EXPECT_EQ(frames[i].columns.size(), 12u);
+  }
+  const ParticleTable first = read_particles(path, {.frame = 0});
+  EXPECT_EQ(first.size(), 3000u);
+  const std::vector<std::pair<std::string, double>> row{{"id", 1},
+                                                        {"radius", 0.5},
+                                                        {"mass", 0.523598776},
+                                                        {"x", -1.63520144},
+                                                        {"y", 1.77387327},
+                                                        {"z", 0.498408458},
+                                                        {"vx", 0.0131622062},
+                                                        {"vy", 0.0239875346},
+                                                        {"vz", -0.00866529065},
+                                                        {"fx", 0.271347989},
+                                                        {"fy", 0.293132156},
+                                                        {"fz", 0.106359234}};
+  for (const auto& [name, value] : row) EXPECT_EQ(first.column(name)[0], value) << name;
+  EXPECT_EQ(first.dimension(), 3);
+  EXPECT_EQ(first.domain().periodic, (std::array<bool, 3>{true, true, false}));
+  EXPECT_EQ(first.box().lower, (std::array<double, 3>{-10, -10, -0.5}));
+  EXPECT_EQ(first.box().upper, (std::array<double, 3>{10, 10, 16}));
+  const ParticleTable last = read_particles(path);
+  EXPECT_EQ(last.step, 50000);
+  EXPECT_EQ(last.column("x")[0], -8.19476307);
+  EXPECT_EQ(last.source, "chute.dump.gz, frame 5, step 50000");
+}
+
+}  // namespace

@@ -1,0 +1,127 @@
+// What holds for all formats: gzip, missing and foreign files, and files damaged at random.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "recon/core/error.hpp"
+#include "recon/io/read.hpp"
+#include "temporary.hpp"
+
+namespace {
+
+using recon::read_particles;
+using test::bytes_of;
+using test::expect_file_error;
+using test::TemporaryFolder;
+
+const std::string small_dump =
+    "ITEM: UNITS\nlj\nITEM: TIME\n0.5\nITEM: TIMESTEP\n10\nITEM: NUMBER OF ATOMS\n2\n"
+    "ITEM: BOX BOUNDS pp pp ff\n0 1\n0 1\n0 2.5\nITEM: ATOMS id element xs ys zs vx\n"
+    "1 Fe 0.5 0.25 0.125 1e-3\n2 O 0.75 0.5 1 -2.5E+2\n"
+    "ITEM: TIME\n0.75\nITEM: TIMESTEP\n20\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp ff\n"
+    "0 1\n0 1\n0 2.5\nITEM: ATOMS id element xs ys zs vx\n1 Fe 0.5 0.25 0.125 nan\n";
+const std::string small_csv =
+    "# made by hand\n\"x\",y,\"p \"\"q\"\" [Pa]\",kind\n1,2,3.5,a\n\n# b\n2,,1e-3,b\n\"4\",5,6,c\n";
+
+TEST(Read, GzipIsUndone) {
+  const TemporaryFolder folder;
+  const auto path = folder.gzip("a.txt", "x,y\n1,2\n");  // by content, not by name
+  EXPECT_EQ(read_particles(path).column("y")[0], 2);
+}
+
+TEST(Read, CutAndDamagedGzip) {
+  const TemporaryFolder folder;
+  std::string text = "x,y\n";
+  std::mt19937 random(1);
+  for (int i = 0; i < 20000; ++i) text += std::to_string(random()) + "," + std::to_string(i) + "\n";
+  const std::string whole = bytes_of(folder.gzip("a.gz", text));
+  for (const std::size_t length : {whole.size() - 1, whole.size() / 2, std::size_t{30}})
+    expect_file_error([&] { read_particles(folder.file("cut.gz", whole.substr(0, length))); }, 0,
+                      "cut off");
+  std::string damaged = whole;
+  damaged[damaged.size() - 6] = static_cast<char>(damaged[damaged.size() - 6] ^ 1);  // checksum
+  expect_file_error([&] { read_particles(folder.file("bad.gz", damaged)); }, 0, "damaged");
+}
+
+TEST(Read, MissingFiles) {
+  const TemporaryFolder folder;
+  folder.file("chute.dump", "x\n1\n");
+  expect_file_error([&] { read_particles(folder / "chut.dump"); }, 0, "did you mean 'chute.dump'?");
+  expect_file_error([&] { read_particles(folder / "zzzzzz"); }, 0, "no such file");
+  expect_file_error([&] { read_particles(folder.path() / "none" / "a"); }, 0,
+                    "there is no directory");
+  expect_file_error([&] { read_particles(folder.path()); }, 0, "is a directory");
+  expect_file_error([&] { read_particles("/dev/null"); }, 0, "no ordinary file");
+}
+
+TEST(Read, ForeignFiles) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& text, std::size_t line, const std::string& part) {
+    expect_file_error([&] { read_particles(folder.file("a", text)); }, line, part);
+  };
+  expect("", 0, "is empty");
+  expect("<?xml version=\"1.0\"?>\n", 0, "ParaView");
+  expect("# vtk DataFile Version 3.0\n", 0, "ParaView");
+  expect("BZh91AY", 0, "bzip2");
+  expect("\x28\xb5\x2f\xfd rest", 0, "zstd");
+  expect("LAMMPS data file via write_data\n\n3000 atoms\n", 1, "write_dump");
+  expect(std::string("x,y\n1,\0,2\n", 11), 2, "NUL byte");
+  expect(std::string(100, '\0'), 1, "binary");
+}
+
+// Reading damaged data ends in one of two ways: a table, or an exception that says what is wrong.
+void read_all(const std::filesystem::path& path) {
+  try {
+    for (std::size_t f = 0; f < recon::list_frames(path).size(); ++f) {
+      const auto table = read_particles(path, {.frame = static_cast<int>(f)});
+      for (const std::string& name : table.names())
+        EXPECT_EQ(table.raw_column(name).size(), table.size());
+      const auto points = table.positions();
+      EXPECT_EQ(points.size(), table.size());
+      table.domain().validate(points.dimension());
+    }
+  } catch (const recon::FileError& error) {
+    EXPECT_FALSE(std::string(error.what()).empty());
+  } catch (const recon::InvalidArgument& error) {
+    EXPECT_FALSE(std::string(error.what()).empty());
+  }
+}
+
+TEST(Read, SurvivesDamage) {
+  const TemporaryFolder folder;
+  std::mt19937 random(7);
+  const std::string letters = "0123456789 \n\t\r,;\"#.eE+-ITEM:naf\xff\x01";
+  for (const std::string& valid : {small_dump, small_csv}) {
+    for (std::size_t length = 0; length <= valid.size(); ++length)
+      read_all(folder.file("a", valid.substr(0, length)));
+    for (int round = 0; round < 300; ++round) {
+      std::string text = valid;
+      for (int change = 0; change <= round % 3; ++change) {
+        const std::size_t at = random() % text.size();
+        const char letter = letters[random() % letters.size()];
+        if (round % 4 == 0)
+          text.erase(at, 1 + random() % 5);
+        else if (round % 4 == 1)
+          text.insert(at, 1, letter);
+        else
+          text[at] = letter;
+      }
+      read_all(folder.file("a", text));
+    }
+  }
+}
+
+TEST(Read, SurvivesDamagedGzip) {
+  const TemporaryFolder folder;
+  const std::string valid = bytes_of(folder.gzip("a.gz", small_dump));
+  std::mt19937 random(11);
+  for (std::size_t length = 0; length < valid.size(); ++length)
+    read_all(folder.file("a", valid.substr(0, length)));
+  for (int round = 0; round < 200; ++round) {
+    std::string bytes = valid;
+    bytes[random() % bytes.size()] = static_cast<char>(random());
+    read_all(folder.file("a", bytes));
+  }
+}
+
+}  // namespace

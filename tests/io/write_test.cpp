@@ -1,0 +1,151 @@
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <random>
+
+#include "recon/core/error.hpp"
+#include "recon/io/read.hpp"
+#include "recon/io/write.hpp"
+#include "recon/points/make_view.hpp"
+#include "temporary.hpp"
+
+namespace {
+
+using recon::FieldSet;
+using recon::NumberType;
+using recon::StructuredGrid;
+using test::bytes_of;
+using test::expect_file_error;
+using test::expect_invalid;
+using test::TemporaryFolder;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+const std::string hostile = "v \"a\" <b> & 'c', ; d";
+
+TEST(WriteCsv, Text) {
+  const TemporaryFolder folder;
+  const std::vector<double> x{0.1, -2}, y{1e300, 0};
+  FieldSet fields;
+  fields.add("v", 2, {1, 2, 3, 0.30000000000000004});
+  fields.add("s", 3, {1, 2, 3, 4, 5, 6});
+  fields.add("rank", 1, {100000, -7}, NumberType::int32);
+  fields.add("p", 1, {nan, 0.1}, NumberType::float32);
+  recon::write_csv(folder / "a.csv", recon::points_of(x, y), fields);
+  EXPECT_EQ(bytes_of(folder / "a.csv"),
+            "x,y,v_x,v_y,s_0,s_1,s_2,rank,p\n"
+            "0.1,1e+300,1,2,1,2,3,100000,nan\n"
+            "-2,0,3,0.30000000000000004,4,5,6,-7,0.1\n");
+}
+
+TEST(WriteCsv, ReadsBackBitForBit) {
+  const TemporaryFolder folder;
+  std::mt19937_64 random(3);
+  std::vector<double> x, values;
+  while (x.size() < 3000) {
+    const double number = std::bit_cast<double>(random());
+    if (!std::isfinite(number)) continue;
+    x.push_back(number);
+    values.push_back(x.size() % 7 == 0 ? nan : -number);
+  }
+  for (const double edge : {5e-324, 2.2250738585072014e-308, 1.7976931348623157e308, -0.0}) {
+    x.push_back(edge);
+    values.push_back(edge);
+  }
+  FieldSet fields;
+  fields.add(hostile, 1, values);
+  fields.add("12", 1, values);
+  fields.add("#c", 1, values);
+  fields.add(" blank ", 1, values);
+  recon::write_csv(folder / "a.csv", recon::points_of(x), fields);
+  const recon::ParticleTable table = recon::read_particles(folder / "a.csv");
+  EXPECT_EQ(table.names(), (std::vector<std::string>{"x", hostile, "12", "#c", " blank "}));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(table.column("x")[i]),
+              std::bit_cast<std::uint64_t>(x[i]));
+    const double back = table.raw_column(hostile)[i];
+    ASSERT_TRUE(std::isnan(values[i]) ? std::isnan(back)
+                                      : std::bit_cast<std::uint64_t>(back) ==
+                                            std::bit_cast<std::uint64_t>(values[i]));
+  }
+}
+
+TEST(Write, WrongInputLeavesNothing) {
+  const TemporaryFolder folder;
+  const std::vector<double> x{0, 1}, bad{0, nan};
+  FieldSet fields;
+  fields.add("p", 1, {1, 2, 3});
+  for (const char* name : {"a.csv", "a.vtp"})
+    expect_invalid([&] { recon::write(folder / name, recon::points_of(x), fields); },
+                   "number of values of field p = 3");
+  for (const char* name : {"a.csv", "a.vtp"})
+    expect_invalid([&] { recon::write(folder / name, recon::points_of(bad), FieldSet{}); }, "nan");
+  expect_invalid([&] { recon::write_vti(folder / "a.vti", StructuredGrid<double>{}, fields); },
+                 "number of values of field p");
+  FieldSet clash;
+  clash.add("x", 1, {1, 2});
+  expect_invalid([&] { recon::write_csv(folder / "a.csv", recon::points_of(x), clash); },
+                 "name of a column = x");
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Write, Extensions) {
+  const TemporaryFolder folder;
+  const std::vector<double> x{0};
+  const StructuredGrid<double> grid;
+  const auto points = recon::points_of(x);
+  recon::write(folder / "a.VTP", points, {});
+  recon::write(folder / "a.vti", grid, {});
+  recon::write(folder / "a.csv", points, {});
+  recon::write(folder / "b.csv", grid, {});
+  EXPECT_EQ(bytes_of(folder / "b.csv"), "x,y,z\n0,0,0\n");
+  expect_file_error([&] { recon::write(folder / "a.vtu", points, {}); }, 0, "did you mean '.vtp'?");
+  expect_file_error([&] { recon::write(folder / "a.vti", points, {}); }, 0, "is for a grid");
+  expect_file_error([&] { recon::write(folder / "a.vtp", grid, {}); }, 0, "is for points");
+  expect_file_error([&] { recon::write(folder / "a", grid, {}); }, 0, "no extension");
+  EXPECT_EQ(folder.entries(), 4u);
+}
+
+// Files that vtk_reader_check.py reads with VTK itself and compares with the same formulas; it
+// names the folder in RECON_VTK_SAMPLES.
+TEST(VtkSamples, Write) {
+  const TemporaryFolder own;
+  const char* asked = std::getenv("RECON_VTK_SAMPLES");
+  const std::filesystem::path folder = asked ? std::filesystem::path(asked) : own.path();
+
+  StructuredGrid<double> grid{3, {-1.5, 0.1, 1e6}, {0.25, 1.0 / 3, 2}, {4, 3, 2}};
+  FieldSet fields;
+  fields.step = 9007199254740993;  // needs 64-bit integers
+  fields.time = 0.1;
+  std::vector<double> scalar, vector, tensor, rank, single;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const double number = static_cast<double>(i);
+    scalar.push_back(i == 5 ? nan : 0.1 * number);
+    for (int c = 0; c < 3; ++c) vector.push_back(number + 0.01 * c);
+    for (int c = 0; c < 9; ++c) tensor.push_back(-number * c);
+    rank.push_back(number - 3);
+    single.push_back(0.1 * number);
+  }
+  fields.add(hostile, 1, scalar);
+  fields.add("velocity", 3, vector);
+  fields.add("stress", 9, tensor);
+  fields.add("rank", 1, rank, NumberType::int32);
+  fields.add("single", 1, single, NumberType::float32);
+  recon::write_vti(folder / "grid.vti", grid, fields);
+
+  StructuredGrid<double> plane{2, {1, 2, 0}, {0.5, 0.25, 1}, {3, 2, 1}};
+  FieldSet plane_fields;
+  plane_fields.add("v", 2, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+  recon::write_vti(folder / "plane.vti", plane, plane_fields);
+
+  recon::write_vtp(folder / "points.vtp", grid.nodes().view(), fields);
+  recon::write_vtp(folder / "none.vtp", recon::PointsView<double>(0, 2, {}, {}), {});
+  const std::vector<double> x{1, 2}, y{3, 4};
+  recon::write_vtp(folder / "flat.vtp", recon::points_of(x, y), {});
+  for (const char* name : {"grid.vti", "plane.vti", "points.vtp", "none.vtp", "flat.vtp"})
+    EXPECT_TRUE(bytes_of(folder / name).ends_with("\n</AppendedData>\n</VTKFile>\n")) << name;
+}
+
+}  // namespace
