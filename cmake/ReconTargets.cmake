@@ -2,7 +2,8 @@
 
 # Warnings and sanitizers, for everything that is built here and nothing that consumes it.
 function(recon_set_compile_options target)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-sign-conversion
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 sees overlap in text + std::string where none is
     $<$<BOOL:${RECON_WARNINGS_AS_ERRORS}>:-Werror>)
   if(RECON_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${RECON_SANITIZE} -fno-sanitize-recover=all
@@ -39,10 +40,10 @@ function(recon_install_packages)
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/recon)
   install(DIRECTORY include/recon DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   install(EXPORT reconTargets NAMESPACE recon:: DESTINATION ${package_dir})
-  configure_package_config_file(cmake/reconConfig.cmake.in ${CMAKE_BINARY_DIR}/reconConfig.cmake
+  configure_package_config_file(cmake/reconConfig.cmake.in ${PROJECT_BINARY_DIR}/reconConfig.cmake
     INSTALL_DESTINATION ${package_dir})
-  write_basic_package_version_file(${CMAKE_BINARY_DIR}/reconConfigVersion.cmake
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/reconConfigVersion.cmake
     COMPATIBILITY SameMinorVersion)
-  install(FILES ${CMAKE_BINARY_DIR}/reconConfig.cmake ${CMAKE_BINARY_DIR}/reconConfigVersion.cmake
+  install(FILES ${PROJECT_BINARY_DIR}/reconConfig.cmake ${PROJECT_BINARY_DIR}/reconConfigVersion.cmake
     DESTINATION ${package_dir})
 endfunction()

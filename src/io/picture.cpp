@@ -216,7 +216,7 @@ std::string data_block(const std::string& name, const HeatMapPanel& panel) {
   for (std::size_t row = 0; row < y.size(); ++row) {
     for (std::size_t column = 0; column < x.size(); ++column) {
       const std::size_t i = std::min(column, grid.count(0) - 1);
-      const std::size_t j = std::min(row, grid.counts[1] - 1);
+      const std::size_t j = std::min(row, grid.count(1) - 1);
       const double value = panel.values[j * grid.count(0) + i];
       detail::append_number(text, x[column]);
       text += ' ';

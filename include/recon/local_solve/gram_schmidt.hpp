@@ -160,7 +160,8 @@ class GramSchmidt {
     report.kept[0] = 1;
 
     T smallest = T(1), drop = thresholds.drop;
-    T floor = detail::rounding_margin<T> * cloud.noise * root_sum;  // what rounding of the coordinates alone amounts to
+    T floor = detail::rounding_margin<T> * cloud.noise *
+              root_sum;  // what rounding of the coordinates alone amounts to
     for (int k = 1; k <= B::degree && fit_.rank() < n; ++k) {
       const int columns = fill_block(cloud, k, report.kept[1]);
       const int lower = fit_.rank();

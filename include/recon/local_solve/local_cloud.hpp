@@ -65,24 +65,28 @@ struct ShapeArrays {
 
 namespace detail {
 
-// How many times the rounding of the coordinates a direction must extend to count as more than rounding. On
-// particles that lie on a line or sphere up to rounding, the independent part measures 0.3 to 2 roundings.
+// How many times the rounding of the coordinates a direction must extend to count as more than
+// rounding. On particles that lie on a line or sphere up to rounding, the independent part measures
+// 0.3 to 2 roundings.
 template <class T>
 inline constexpr T rounding_margin = T(8);
 
-// Thresholds in the precision T, all about the independent part of a term or direction relative to the whole of it.
+// Thresholds in the precision T, all about the independent part of a term or direction relative to
+// the whole of it.
 template <class T>
 struct Thresholds {
   T drop;              // ||p|| / ||q|| at or below: not resolved
   T clear2;            // (||p|| / ||q||)^2 above: clearly resolved, no closer look needed
-  T well_conditioned;  // the same for a moment matrix, which loses digits in proportion to 1 / pivot
+  T well_conditioned;  // the same for a moment matrix, which loses digits in proportion to 1 /
+                       // pivot
 
   Thresholds(const FitTolerances& tolerances, T noise) {
     const T eps = std::numeric_limits<T>::epsilon();
     drop = std::max(static_cast<T>(tolerances.rank), rounding_margin<T> * std::max(eps, noise));
     const T margin = T(100) * drop * drop;
     clear2 = std::max(std::sqrt(eps), margin);
-    well_conditioned = std::max(std::sqrt(std::sqrt(eps)), margin);  // a quarter of the digits may go
+    well_conditioned =
+        std::max(std::sqrt(std::sqrt(eps)), margin);  // a quarter of the digits may go
   }
 };
 

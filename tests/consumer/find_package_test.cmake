@@ -1,0 +1,50 @@
+# Installs recon from RECON_BUILD, moves the installation, and configures, builds and runs SOURCE with it,
+# where neither Boost nor nanoflann nor GoogleTest nor CLI11 can be found.
+cmake_minimum_required(VERSION 3.22)
+
+function(run what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${what}: ${result}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH})
+run("Installing" ${CMAKE_COMMAND} --install ${RECON_BUILD} --config ${CONFIG} --prefix ${SCRATCH}/installed)
+file(RENAME ${SCRATCH}/installed ${SCRATCH}/prefix)
+
+# The files of the installation name no folder of the build or source tree.
+get_filename_component(root ${SOURCE}/../.. ABSOLUTE)
+file(GLOB_RECURSE package ${SCRATCH}/prefix/*.cmake)
+if(NOT package)
+  message(FATAL_ERROR "nothing installed for find_package")
+endif()
+foreach(file IN LISTS package)
+  file(READ ${file} text)
+  foreach(folder ${root} ${RECON_BUILD} ${SCRATCH}/installed)
+    string(FIND "${text}" "${folder}" found)
+    if(NOT found EQUAL -1)
+      message(SEND_ERROR "${file} names ${folder}")
+    endif()
+  endforeach()
+endforeach()
+
+set(without)
+foreach(name Boost nanoflann GTest CLI11)
+  list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${name}=ON)
+endforeach()
+set(flags "-Wall -Wextra -Werror")
+if(SANITIZE)
+  string(APPEND flags " -fsanitize=${SANITIZE}")
+endif()
+run("Configuring" ${CMAKE_COMMAND} -S ${SOURCE} -B ${SCRATCH}/build -G ${GENERATOR}
+  -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${flags}
+  -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix ${without})
+file(STRINGS ${SCRATCH}/build/CMakeCache.txt used REGEX "^recon_DIR:")
+if(NOT used MATCHES "${SCRATCH}/prefix")
+  message(FATAL_ERROR "another recon was found: ${used}")
+endif()
+run("Building" ${CMAKE_COMMAND} --build ${SCRATCH}/build)
+run("Running" ${SCRATCH}/build/consumer)
+message(STATUS "${output}")

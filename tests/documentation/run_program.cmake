@@ -1,0 +1,12 @@
+# Runs PROGRAM; its output must be that of the file EXPECTED, where that exists.
+execute_process(COMMAND ${PROGRAM} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE error)
+message(STATUS "It printed:\n${output}${error}")
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${PROGRAM} ended with ${result}")
+endif()
+if(EXISTS ${EXPECTED})
+  file(READ ${EXPECTED} expected)
+  if(NOT output STREQUAL expected)
+    message(FATAL_ERROR "The documentation promises:\n${expected}")
+  endif()
+endif()
