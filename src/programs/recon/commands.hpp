@@ -1,0 +1,18 @@
+// The subcommands: each adds its options to the command line and gives back what to run.
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace recon::program {
+
+using Command = std::function<void()>;
+
+Command add_info(CLI::App& app);
+Command add_map(CLI::App& app);
+Command add_profile(CLI::App& app);
+
+}  // namespace recon::program

@@ -1,0 +1,34 @@
+// CSV files whose columns are numbers or words: results with the state of each fit spelt out.
+//
+// Numbers have the fewest digits that read back to the same bits; NaN is written as nan. The file
+// appears whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "recon/fields/field_set.hpp"
+#include "recon/operators/fit_summary.hpp"
+#include "recon/points/view.hpp"
+
+namespace recon::program {
+
+struct CsvColumn {
+  std::string name;
+  std::function<void(std::size_t row, std::string& text)> append;
+};
+
+// A column of numbers; `values` must outlive it.
+CsvColumn number_column(std::string name, const std::vector<double>& values);
+
+void write_csv_table(const std::filesystem::path& path, const std::vector<CsvColumn>& columns,
+                     std::size_t rows);
+
+// x, y, z (as many as there are dimensions), the fields up to the reports, then neighbours, rank,
+// degree, and status in words.
+void write_csv_fields(const std::filesystem::path& path, const PointsView<double>& points,
+                      const FieldSet& fields, const FitReports& reports);
+
+}  // namespace recon::program

@@ -1,0 +1,43 @@
+// Exit codes of the program, and the exceptions that lead to them.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "recon/core/error.hpp"
+#include "recon/io/error.hpp"
+
+namespace recon::program {
+
+enum ExitCode { success = 0, wrong_usage = 1, wrong_input = 2, no_output = 3, internal_error = 4 };
+
+class ProgramError : public std::runtime_error {
+ public:
+  ProgramError(ExitCode code, const std::string& what) : std::runtime_error(what), code_(code) {}
+  ExitCode code() const { return code_; }
+
+ private:
+  ExitCode code_;
+};
+
+[[noreturn]] inline void fail_usage(const std::string& what) {
+  throw ProgramError(wrong_usage, what);
+}
+[[noreturn]] inline void fail_input(const std::string& what) {
+  throw ProgramError(wrong_input, what);
+}
+
+// Runs `work`; what it finds wrong with files or numbers ends the program with `code`.
+template <class Work>
+decltype(auto) with_exit_code(ExitCode code, Work&& work) {
+  try {
+    return std::forward<Work>(work)();
+  } catch (const FileError& error) {
+    throw ProgramError(code, error.what());
+  } catch (const InvalidArgument& error) {
+    throw ProgramError(code, error.what());
+  }
+}
+
+}  // namespace recon::program

@@ -1,0 +1,172 @@
+#include "field_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "errors.hpp"
+#include "recon/core/names.hpp"
+#include "text.hpp"
+
+namespace recon::program {
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool contains(const Names& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+Names velocity_columns(const Particles& particles) {
+  Names columns;
+  for (const char* name : {"vx", "vy", "vz"})
+    if (particles.table.has(name)) columns.push_back(name);
+  if (columns.size() > 2 && particles.dimension == 2) columns.resize(2);
+  return columns;
+}
+
+// The column among these that the particles have, or "".
+std::string first_of(const Particles& particles, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (particles.table.has(name)) return name;
+  return "";
+}
+
+std::vector<double> speeds(const Particles& particles) {
+  std::vector<double> speed(particles.size(), 0.0);
+  for (const char* name : {"vx", "vy", "vz"}) {
+    if (!particles.table.has(name)) continue;
+    const std::vector<double>& v = particles.table.column(name);
+    for (std::size_t i = 0; i < v.size(); ++i) speed[i] = std::hypot(speed[i], v[i]);
+  }
+  return speed;
+}
+
+// Volumes of spheres, areas of discs, lengths of rods.
+std::vector<double> volumes(const Particles& particles) {
+  const std::string radius = first_of(particles, {"radius", "diameter"});
+  const double to_radius = radius == "diameter" ? 0.5 : 1;
+  std::vector<double> volume;
+  for (const double value : particles.table.column(radius)) {
+    const double r = value * to_radius;
+    volume.push_back(particles.dimension == 3   ? 4 * std::numbers::pi / 3 * r * r * r
+                     : particles.dimension == 2 ? std::numbers::pi * r * r
+                                                : 2 * r);
+  }
+  return volume;
+}
+
+// What derived fields need; empty if these particles have it.
+std::string missing_for(const std::string& derived, const Particles& particles) {
+  if (derived == "speed" || derived == "velocity")
+    return velocity_columns(particles).empty() ? "the columns vx, vy, vz" : "";
+  if (derived == "density" && first_of(particles, {"mass", "rmass"}).empty())
+    return "a column mass (number_density counts particles instead)";
+  if (derived == "solid_fraction" && first_of(particles, {"radius", "diameter"}).empty())
+    return "a column radius or diameter";
+  return "";
+}
+
+const Names derived_names{"velocity", "speed", "density", "number_density", "solid_fraction"};
+
+PlannedField plan_derived(Particles& particles, const std::string& name) {
+  if (const std::string missing = missing_for(name, particles); !missing.empty())
+    fail_usage("field " + name + " needs " + missing + "; the columns of the file are: " +
+               enumeration(particles.table.names()));
+  if (name == "velocity") return {name, velocity_columns(particles), {}};
+  if (name == "speed") {
+    particles.table.add_column(name, speeds(particles));
+    return {name, {name}, {}};
+  }
+  if (name == "number_density") return {name, {}, std::vector<double>(particles.size(), 1.0)};
+  if (name == "solid_fraction") return {name, {}, volumes(particles)};
+  return {name, {}, particles.table.column(first_of(particles, {"mass", "rmass"}))};
+}
+
+[[noreturn]] void fail_unknown(const Particles& particles, const std::string& name) {
+  Names known = particles.table.names();
+  for (const std::string& derived : derivable_fields(particles)) known.push_back(derived);
+  const Names text = particles.table.text_columns();
+  if (contains(text, name))
+    fail_usage("field '" + name + "' holds text; a column of numbers is needed");
+  fail_usage("unknown field '" + name + "'; " + suggest(name, known));
+}
+
+PlannedField plan_components(const Particles& particles, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  PlannedField field{text.substr(0, equals), {}, {}};
+  if (equals != std::string::npos) field.columns = split(text.substr(equals + 1));
+  if (field.name.empty() || field.columns.empty())
+    fail_usage("--components " + text + ": a name and columns are needed, as in v=vx,vy,vz");
+  for (const std::string& column : field.columns)
+    if (!particles.table.has(column)) fail_unknown(particles, column);
+  return field;
+}
+
+void plan_named(Particles& particles, const std::string& name, FieldPlan& plan) {
+  if (particles.table.has(name)) {
+    plan.push_back({name, {name}, {}});
+  } else if (name == "all") {
+    for (const std::string& column : mappable_columns(particles))
+      plan.push_back({column, {column}, {}});
+  } else if (contains(derived_names, name)) {
+    plan.push_back(plan_derived(particles, name));
+  } else if (name.empty()) {
+    fail_usage("--fields has an empty name; names are separated by single commas, as in vx,vy,vz");
+  } else {
+    fail_unknown(particles, name);
+  }
+}
+
+void require_distinct(const FieldPlan& plan) {
+  Names names{"neighbours", "rank", "degree", "status", "rcond", "amplification"};
+  const std::size_t reports = names.size();
+  for (const PlannedField& field : plan) {
+    const auto at = std::find(names.begin(), names.end(), field.name);
+    if (at != names.end())
+      fail_usage(at - names.begin() < static_cast<std::ptrdiff_t>(reports)
+                     ? "field '" + field.name +
+                           "' has the name of a report that is always written; give it another one "
+                           "with --components NAME=" + field.name
+                     : "field '" + field.name + "' is asked for twice");
+    names.push_back(field.name);
+  }
+}
+
+}  // namespace
+
+Names mappable_columns(const Particles& particles) {
+  static const Names labels{"id", "type", "mol", "element", "ix", "iy", "iz", "x",  "y",  "z",
+                            "X",  "Y",    "Z",   "xu",      "yu", "zu", "Points:0", "Points:1",
+                            "Points:2", "Points_0", "Points_1", "Points_2"};
+  Names columns;
+  for (const std::string& name : particles.table.names())
+    if (!contains(labels, name) && !contains(particles.axes, name)) columns.push_back(name);
+  return columns;
+}
+
+Names derivable_fields(const Particles& particles) {
+  Names names;
+  for (const std::string& name : derived_names)
+    if (!particles.table.has(name) && missing_for(name, particles).empty()) names.push_back(name);
+  return names;
+}
+
+FieldPlan plan_fields(Particles& particles, const std::string& fields,
+                      const std::vector<std::string>& components) {
+  FieldPlan plan;
+  with_exit_code(wrong_input, [&] {
+    for (const std::string& name : split(fields)) plan_named(particles, name, plan);
+    for (const std::string& text : components) plan.push_back(plan_components(particles, text));
+    for (const PlannedField& field : plan)
+      for (const std::string& column : field.columns) particles.table.column(column);
+  });
+  if (plan.empty())
+    fail_usage("no fields to map: name them, as in --fields vx,vy,vz; the columns of the file are: " +
+               enumeration(particles.table.names()));
+  require_distinct(plan);
+  return plan;
+}
+
+}  // namespace recon::program

@@ -1,0 +1,135 @@
+#include "fit_choice.hpp"
+
+#include "checks.hpp"
+#include "errors.hpp"
+
+namespace recon::program {
+
+namespace {
+
+const std::vector<std::string> method_names{"shepard", "mls", "imls", "qr", "svd"};
+
+Solver solver_of(const std::string& name) {
+  if (name == "mls") return Solver::moment_matrix;
+  if (name == "qr") return Solver::qr;
+  if (name == "svd") return Solver::svd;
+  return Solver::gram_schmidt;
+}
+
+std::vector<std::string> weight_names() {
+  std::vector<std::string> names;
+  for (const Weight weight : all_weights()) names.emplace_back(name_of(weight));
+  return names;
+}
+
+std::string unsupported_check(const std::string& text) {
+  if (text == "nan" || text == "nearest" || to_number(text)) return "";
+  return "'" + text + "' is not nan, nearest or a number";
+}
+
+}  // namespace
+
+const char* const method_help =
+    "shepard  weighted mean (degree 0)\n"
+    "mls      moving least squares by the moment matrix; hands\n"
+    "         ill-conditioned targets over to imls\n"
+    "imls     moving least squares by Gram-Schmidt, drops what\n"
+    "         the particles do not resolve (the default)\n"
+    "qr, svd  slow references";
+
+void add_fit_options(CLI::App& app, FitChoice& choice) {
+  const std::string group = "Reconstruction";
+  app.add_option("--degree", choice.degree,
+                 "polynomials up to this degree are reproduced: 0 to 4\n(default 1)")
+      ->type_name("P")->check(one_of({"0", "1", "2", "3", "4"}))->group(group);
+  app.add_option("--radius", choice.radius,
+                 "support radius, a length (default: 2 mean spacings of the\n"
+                 "particles, more for degrees that need it)")
+      ->type_name("R")->check(positive_number())->group(group);
+  app.add_option("--k", choice.k,
+                 "use the N nearest particles, each target with a support of\n"
+                 "its own; with --radius too: the N nearest of those within R")
+      ->type_name("N")->check(whole_number(1))->group(group);
+  app.add_option("--grow", choice.grow,
+                 "where the degree is not reached, try again with the support\n"
+                 "enlarged by a quarter, up to N times")
+      ->type_name("N")->check(whole_number(0))->capture_default_str()->group(group);
+  app.add_option("--weight", choice.weight,
+                 "weight function: linear, quadratic, cubic, quartic, quintic\n"
+                 "(B-splines), wendland_c0, _c2, _c4, _c6, gaussian,\n"
+                 "inverse_distance")
+      ->type_name("NAME")->check(one_of(weight_names()))->capture_default_str()->group(group);
+  app.add_option("--form", choice.form,
+                 "radial: the weight of the distance, the support a ball;\n"
+                 "tensor: a factor for each axis, the support a cube")
+      ->type_name("FORM")->check(one_of({"radial", "tensor"}))->capture_default_str()->group(group);
+  app.add_option("--unsupported", choice.unsupported,
+                 "value where no particle is in the support: nan, nearest (that\n"
+                 "of the nearest particle) or a number")
+      ->type_name("VALUE")->check(unsupported_check)->capture_default_str()->group(group);
+  app.add_option("--threads", choice.threads,
+                 "threads (0: all processors); results do not depend on it")
+      ->type_name("N")->check(whole_number(0))->capture_default_str()->group(group);
+}
+
+Method read_method(const std::string& text, const FitChoice& choice) {
+  const std::size_t colon = text.find(':');
+  Method method{text.substr(0, colon), 0, Solver::gram_schmidt};
+  if (const std::string wrong = one_of(method_names)(method.name); !wrong.empty())
+    fail_usage("method: " + wrong);
+  method.solver = solver_of(method.name);
+  method.degree = choice.degree.value_or(1);
+  if (colon != std::string::npos) {
+    const std::string degree = text.substr(colon + 1);
+    if (!one_of({"0", "1", "2", "3", "4"})(degree).empty())
+      fail_usage("method " + text + ": '" + degree + "' is not a degree from 0 to 4");
+    method.degree = degree[0] - '0';
+  } else if (method.name == "shepard") {
+    method.degree = 0;
+  }
+  if (method.name == "shepard" && method.degree > 0)
+    fail_usage("method shepard is a weighted mean, degree 0; for degree " +
+               std::to_string(method.degree) + " choose mls or imls");
+  return method;
+}
+
+Options fit_options(const FitChoice& choice, const Method& method, const Particles& particles) {
+  Options options;
+  options.degree = method.degree;
+  options.solver = method.solver;
+  options.weight = weight_named(choice.weight);
+  options.form = choice.form == "tensor" ? WeightForm::tensor_product : WeightForm::radial;
+  options.domain = particles.domain;
+  options.grow.steps = choice.grow;
+  options.threads = choice.threads;
+  if (choice.k && choice.radius)
+    options.neighbours = NearestWithin{*choice.k, *choice.radius};
+  else if (choice.k)
+    options.neighbours = Nearest{*choice.k};
+  else
+    options.neighbours = Radius{choice.radius ? *choice.radius
+                                              : suggested_radius(particles, method.degree)};
+  if (choice.unsupported == "nearest")
+    options.unsupported = Unsupported::nearest;
+  else if (const auto value = to_number(choice.unsupported))
+    options.fill_value = *value;
+  return options;
+}
+
+std::string describe_support(const FitChoice& choice, const Method& method,
+                             const Particles& particles) {
+  std::string text;
+  if (choice.k)
+    text = counted(*choice.k, "nearest particle") +
+           (choice.radius ? " within radius " + number(*choice.radius) : "");
+  else if (choice.radius)
+    text = "radius " + number(*choice.radius);
+  else
+    text = "radius " + number(suggested_radius(particles, method.degree)) +
+           " (chosen from the mean spacing " + number(particles.mean_spacing, 3) +
+           "; --radius changes it)";
+  if (choice.grow > 0) text += ", growing up to " + counted(choice.grow, "time");
+  return text;
+}
+
+}  // namespace recon::program

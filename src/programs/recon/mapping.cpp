@@ -1,0 +1,188 @@
+#include "mapping.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "kernel_sum.hpp"
+#include "recon/operators/reconstruct.hpp"
+
+namespace recon::program {
+
+namespace {
+
+// A copy of some targets.
+struct Part {
+  std::array<std::vector<double>, max_dimension> axes;
+  int dimension;
+
+  Part(const PointsView<double>& targets, std::size_t begin, std::size_t end)
+      : dimension(targets.dimension()) {
+    for (int d = 0; d < dimension; ++d)
+      for (std::size_t t = begin; t < end; ++t) axes[d].push_back(targets(t, d));
+  }
+  PointsView<double> view() const {
+    constexpr std::ptrdiff_t number = sizeof(double);
+    return {axes[0].size(), dimension, {axes[0].data(), axes[1].data(), axes[2].data()},
+            {number, number, number}};
+  }
+};
+
+// Targets that are done at once: enough that building the search costs little beside them.
+std::size_t part_size(std::size_t particles) {
+  return std::clamp<std::size_t>(particles / 2, 20'000, 200'000);
+}
+
+void add_reports(FieldSet& fields, const std::vector<FitReport>& reports) {
+  std::size_t next = 0;
+  const auto add = [&](NumberType type, auto number_of) {
+    std::vector<double> values;
+    values.reserve(reports.size());
+    for (const FitReport& report : reports)
+      values.push_back(static_cast<double>(number_of(report)));
+    fields.add(report_names()[next++], 1, std::move(values), type);
+  };
+  add(NumberType::int32, [](const FitReport& r) { return r.neighbours; });
+  add(NumberType::int32, [](const FitReport& r) { return r.rank; });
+  add(NumberType::int32, [](const FitReport& r) { return r.degree; });
+  add(NumberType::int32, [](const FitReport& r) { return static_cast<int>(r.status); });
+  add(NumberType::float32, [](const FitReport& r) { return r.rcond; });
+  add(NumberType::float32, [](const FitReport& r) { return r.amplification; });
+}
+
+class Mapper {
+ public:
+  Mapper(const Particles& particles, const FieldPlan& plan, const Options& options,
+         std::size_t targets, bool gradient)
+      : particles_(particles), plan_(plan), options_(options), positions_(particles.positions()),
+        gradient_(gradient) {
+    for (const PlannedField& field : plan)
+      for (const std::string& column : field.columns) place_of(column);
+    if (!columns_.empty()) data_ = particles.table.field("fields", columns_);
+    values_.resize(columns_.size());
+    for (auto& column : values_) column.reserve(targets);
+    slopes_.resize(gradient ? columns_.size() * particles.dimension : 0);
+    for (auto& column : slopes_) column.reserve(targets);
+    sums_.resize(plan.size());
+    const auto is_sum = [](const PlannedField& field) { return field.is_kernel_sum(); };
+    if (std::any_of(plan.begin(), plan.end(), is_sum))
+      kernel_ = std::make_unique<KernelSum>(positions_, options.domain, options.weight,
+                                            options.form, options.threads);
+  }
+
+  void add(const PointsView<double>& targets) {
+    const Reconstruction fit = reconstruct(positions_, targets, options_);
+    reports_.insert(reports_.end(), fit.report().all().begin(), fit.report().all().end());
+    if (!columns_.empty()) append(fit.apply(data_.view()), values_);
+    if (!columns_.empty() && gradient_) append(fit.gradient().apply(data_.view()), slopes_);
+    if (kernel_) add_sums(targets, fit);
+  }
+
+  Mapped result() {
+    Mapped mapped;
+    for (std::size_t f = 0; f < plan_.size(); ++f) {
+      if (plan_[f].is_kernel_sum())
+        mapped.fields.add(plan_[f].name, 1, std::move(sums_[f]));
+      else
+        add_mapped(plan_[f], mapped.fields);
+    }
+    mapped.fields.step = particles_.table.step;
+    mapped.fields.time = particles_.table.time;
+    add_reports(mapped.fields, reports_);
+    mapped.reports = FitReports(std::move(reports_), options_.solver);
+    return mapped;
+  }
+
+ private:
+  std::size_t place_of(const std::string& column) {
+    const auto at = std::find(columns_.begin(), columns_.end(), column);
+    if (at == columns_.end()) {
+      columns_.push_back(column);
+      return columns_.size() - 1;
+    }
+    return static_cast<std::size_t>(at - columns_.begin());
+  }
+
+  static void append(const Eigen::MatrixXd& rows, std::vector<std::vector<double>>& columns) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const auto column = rows.col(static_cast<Eigen::Index>(c));
+      columns[c].insert(columns[c].end(), column.begin(), column.end());
+    }
+  }
+
+  // The k nearest particles do not fill the support that they define: all in it are sought.
+  void add_sums(const PointsView<double>& targets, const Reconstruction& fit) {
+    const bool complete = std::holds_alternative<Radius>(options_.neighbours);
+    NeighbourList<double> found;
+    if (!complete) {
+      NeighbourOptions search{.threads = options_.threads};
+      if (options_.form == WeightForm::tensor_product) search.shape = SupportShape::cube;
+      const PointCloud<double> wrapped(targets, "targets", options_.domain);
+      found = find_neighbours(kernel_->particles(), wrapped, Radii{fit.neighbours().support},
+                              options_.domain, search);
+    }
+    for (std::size_t f = 0; f < plan_.size(); ++f) {
+      if (!plan_[f].is_kernel_sum()) continue;
+      const std::vector<double> sums =
+          kernel_->at(targets, complete ? fit.neighbours() : found, plan_[f].amounts);
+      sums_[f].insert(sums_[f].end(), sums.begin(), sums.end());
+    }
+  }
+
+  void add_mapped(const PlannedField& field, FieldSet& fields) {
+    const std::size_t components = field.columns.size();
+    std::vector<double> values(reports_.size() * components);
+    for (std::size_t c = 0; c < components; ++c) {
+      const std::vector<double>& column = values_[place_of(field.columns[c])];
+      for (std::size_t t = 0; t < column.size(); ++t) values[t * components + c] = column[t];
+    }
+    fields.add(field.name, static_cast<int>(components), std::move(values));
+    if (!gradient_) return;
+    const std::size_t dimension = static_cast<std::size_t>(particles_.dimension);
+    const std::vector<std::string> names = gradient_names(field, particles_.dimension);
+    for (std::size_t i = 0; i < names.size(); ++i)
+      fields.add(names[i], 1,
+                 slopes_[place_of(field.columns[i / dimension]) * dimension + i % dimension]);
+  }
+
+  const Particles& particles_;
+  const FieldPlan& plan_;
+  const Options& options_;
+  PointsView<double> positions_;
+  bool gradient_;
+  std::vector<std::string> columns_;  // of the particles, each once
+  NamedField data_;
+  std::vector<std::vector<double>> values_, slopes_;  // per column, and per column and axis
+  std::vector<std::vector<double>> sums_;             // per field of the plan
+  std::vector<FitReport> reports_;
+  std::unique_ptr<KernelSum> kernel_;
+};
+
+}  // namespace
+
+const std::vector<std::string>& report_names() {
+  static const std::vector<std::string> names{"neighbours", "rank",  "degree",
+                                              "status",     "rcond", "amplification"};
+  return names;
+}
+
+std::vector<std::string> gradient_names(const PlannedField& field, int dimension) {
+  std::vector<std::string> names;
+  for (const std::string& column : field.columns)
+    for (int d = 0; d < dimension; ++d)
+      names.push_back("d" + (field.columns.size() == 1 ? field.name : column) + "_d" + "xyz"[d]);
+  return names;
+}
+
+Mapped map_fields(const Particles& particles, const FieldPlan& plan, const Options& options,
+                  const PointsView<double>& targets, bool gradient, Progress& progress) {
+  Mapper mapper(particles, plan, options, targets.size(), gradient);
+  const std::size_t size = part_size(particles.size());
+  for (std::size_t begin = 0; begin < targets.size(); begin += size) {
+    const std::size_t end = std::min(begin + size, targets.size());
+    mapper.add(Part(targets, begin, end).view());
+    progress.advance(end - begin);
+  }
+  return mapper.result();
+}
+
+}  // namespace recon::program

@@ -1,0 +1,30 @@
+// From particles to fields at targets, part by part, so that memory does not grow with the targets.
+#pragma once
+
+#include "field_plan.hpp"
+#include "particles.hpp"
+#include "progress.hpp"
+#include "recon/fields/field_set.hpp"
+#include "recon/operators/fit_summary.hpp"
+#include "recon/shape/options.hpp"
+
+namespace recon::program {
+
+struct Mapped {
+  // In the order of the plan, each followed by its gradients; then the reports: neighbours, rank,
+  // degree, status (0 full, 1 reduced, 2 nearest, 3 no_support), rcond, amplification.
+  FieldSet fields;
+  FitReports reports;  // one per target
+};
+
+// Names of the reports among the fields.
+const std::vector<std::string>& report_names();
+// dvx_dx, dvx_dy, ...: component after component; none for a kernel sum.
+std::vector<std::string> gradient_names(const PlannedField& field, int dimension);
+
+// gradient: also the exact gradients of all fields but kernel sums.
+Mapped map_fields(const Particles& particles, const FieldPlan& plan, const Options& options,
+                  const PointsView<double>& targets, bool gradient, Progress& progress);
+
+
+}  // namespace recon::program

@@ -1,0 +1,185 @@
+#include "particles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "checks.hpp"
+#include "errors.hpp"
+#include "recon/basis/monomials.hpp"
+#include "recon/core/names.hpp"
+#include "recon/io/read.hpp"
+#include "text.hpp"
+
+namespace recon::program {
+
+namespace {
+
+constexpr std::array<const char*, max_dimension> axis_names{"x", "y", "z"};
+
+void choose_coordinates(const InputOptions& options, ParticleTable& table) {
+  if (options.coordinates.empty()) return;
+  const std::vector<std::string> columns = split(options.coordinates);
+  for (const std::string& name : columns)
+    if (!table.has(name))
+      fail_usage("--coordinates: " + options.file + " has no column '" + name + "'; " +
+                 suggest(name, table.names()));
+  with_exit_code(wrong_usage, [&] { table.set_coordinates(columns); });
+}
+
+int choose_dimension(const InputOptions& options, const ParticleTable& table) {
+  const int detected = with_exit_code(wrong_input, [&] { return table.dimension(); });
+  if (options.dimension == 0) return detected;
+  return with_exit_code(wrong_usage, [&] {
+    return static_cast<int>(table.coordinates(options.dimension).size());
+  });
+}
+
+// The numbers of --bounds, or nothing where it is not given.
+std::optional<Box<double>> read_bounds(const std::string& text, int dimension) {
+  if (text.empty()) return {};
+  const std::vector<std::string> words = split(text);
+  if (words.size() != 2 * static_cast<std::size_t>(dimension))
+    fail_usage("--bounds " + text + ": needs a lower and an upper bound for each of the " +
+               std::to_string(dimension) + " axes, as in " +
+               (dimension == 3 ? "0,1,0,1,0,1" : dimension == 2 ? "0,1,0,1" : "0,1"));
+  Box<double> box = Box<double>::empty(dimension);
+  for (int d = 0; d < dimension; ++d) {
+    const auto lower = to_number(words[2 * d]), upper = to_number(words[2 * d + 1]);
+    if (!lower || !upper || !(*lower < *upper))
+      fail_usage("--bounds " + text + ": '" + words[2 * d] + "," + words[2 * d + 1] +
+                 "' is not a lower and a greater upper bound");
+    box.lower[d] = *lower;
+    box.upper[d] = *upper;
+  }
+  return box;
+}
+
+PeriodicDomain<double> choose_domain(const InputOptions& options, const Particles& particles,
+                                     const std::optional<Box<double>>& bounds) {
+  PeriodicDomain<double> domain;
+  if (options.periodic == "none") return domain;
+  if (options.periodic == "from-file") return particles.table.domain(particles.dimension);
+  if (!particles.table.has_box() && !bounds)
+    fail_usage("--periodic " + options.periodic + ": " + options.file +
+               " does not tell the box; say where the periods begin and end with --bounds");
+  const Box<double> box = particles.table.has_box() ? particles.table.box(particles.dimension) : *bounds;
+  for (const std::string& name : split(options.periodic)) {
+    const int axis = particles.axis(name, "--periodic");
+    domain.periodic[axis] = true;
+    domain.lower[axis] = box.lower[axis];
+    domain.upper[axis] = box.upper[axis];
+  }
+  with_exit_code(wrong_usage, [&] { domain.validate(particles.dimension); });
+  return domain;
+}
+
+double mean_spacing(const Box<double>& extent, std::size_t particles) {
+  double volume = 1;
+  int axes = 0;
+  for (int d = 0; d < extent.dimension; ++d) {
+    if (!(extent.extent(d) > 0)) continue;
+    volume *= extent.extent(d);
+    ++axes;
+  }
+  return axes == 0 ? 0 : std::pow(volume / static_cast<double>(particles), 1.0 / axes);
+}
+
+}  // namespace
+
+int Particles::axis(std::string_view name, const std::string& option) const {
+  for (int d = 0; d < dimension; ++d)
+    if (axes[d] == name) return d;
+  for (int d = 0; d < dimension; ++d)
+    if (axis_names[d] == name) return d;
+  fail_usage(option + ": '" + std::string(name) + "' is no axis of these particles; " +
+             suggest(name, axes));
+}
+
+std::string Particles::describe() const {
+  std::vector<std::string> periodic;
+  for (int d = 0; d < dimension; ++d)
+    if (domain.periodic[d]) periodic.push_back(axes[d]);
+  std::string text =
+      table.source + ": " + counted(size(), "particle") + " in " + std::to_string(dimension) + "-D";
+  return periodic.empty() ? text : text + ", periodic in " + enumeration(periodic);
+}
+
+void add_input_options(CLI::App& app, InputOptions& options) {
+  const std::string group = "Particles";
+  app.add_option("FILE", options.file,
+                 "LAMMPS text dump, or delimited text with a line of column\n"
+                                       "names; either may be gzipped")
+      ->type_name(" ");
+  app.add_option("--frame", options.frame, "frame of the file, from 0; from the end -1, -2, ...")
+      ->type_name("N")->check(whole_number(std::nullopt))->capture_default_str()->group(group);
+  app.add_option("--periodic", options.periodic,
+                 "periodic axes: from-file (the boundary flags of LAMMPS),\n"
+                 "none, or axes like x,y, whose periods are those of the\n"
+                 "file's box or else of --bounds")
+      ->type_name("AXES")->capture_default_str()->group(group);
+  app.add_option("--coordinates", options.coordinates,
+                 "columns that hold the coordinates, if not x,y,z")
+      ->type_name("NAMES")->group(group);
+  app.add_option("--dimension", options.dimension,
+                 "2 or 3 (or 1), if not as detected: a z that is the same for\n"
+                 "all particles means 2-D; 2 leaves z out of account")
+      ->type_name("D")->check(one_of({"1", "2", "3"}))->group(group);
+}
+
+Particles read_input(const InputOptions& options) {
+  if (options.file.empty()) fail_usage("the file with the particles is missing");
+  Particles particles;
+  particles.table = with_exit_code(
+      wrong_input, [&] { return read_particles(options.file, {.frame = options.frame}); });
+  ParticleTable& table = particles.table;
+  if (table.size() == 0) fail_input(table.source + ": there are no particles");
+  choose_coordinates(options, table);
+  particles.dimension = choose_dimension(options, table);
+  const auto positions = with_exit_code(wrong_input, [&] { return particles.positions(); });
+  particles.axes = table.coordinates(particles.dimension);
+  particles.extent = bounding_box(positions, "particles");
+
+  const std::optional<Box<double>> bounds = read_bounds(options.bounds, particles.dimension);
+  particles.domain = choose_domain(options, particles, bounds);
+  for (int d = 0; d < particles.dimension; ++d) {
+    if (!particles.domain.periodic[d]) continue;
+    particles.extent.lower[d] = particles.domain.lower[d];
+    particles.extent.upper[d] = particles.domain.upper[d];
+  }
+  particles.mean_spacing = mean_spacing(particles.extent, particles.size());
+  particles.region = bounds.value_or(particles.extent);
+  particles.grid_domain = particles.domain;
+  for (int d = 0; d < particles.dimension; ++d)
+    if (particles.region.lower[d] != particles.extent.lower[d] ||
+        particles.region.upper[d] != particles.extent.upper[d])
+      particles.grid_domain.periodic[d] = false;
+  return particles;
+}
+
+double suggested_spacing(const Particles& particles) {
+  if (!(particles.mean_spacing > 0))
+    fail_usage("all particles are at one place, so no spacing can be suggested: say --spacing");
+  const double power = std::pow(10.0, std::floor(std::log10(particles.mean_spacing)));
+  double best = power;
+  for (const double step : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0})
+    if (std::abs(std::log(step * power / particles.mean_spacing)) <
+        std::abs(std::log(best / particles.mean_spacing)))
+      best = step * power;
+  return best;
+}
+
+double suggested_radius(const Particles& particles, int degree) {
+  if (!(particles.mean_spacing > 0))
+    fail_usage("all particles are at one place, so no support can be suggested: say --radius or --k");
+  constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
+                                                        4 * std::numbers::pi / 3};
+  const int terms = static_cast<int>(monomial_count(particles.dimension, degree));
+  const double enough =
+      std::pow((2 * terms + 1) / unit_ball[particles.dimension - 1], 1.0 / particles.dimension);
+  const double radius = particles.mean_spacing * std::max(2.0, enough);
+  const double power = std::pow(10.0, std::floor(std::log10(radius)) - 1);
+  return std::ceil(radius / power * (1 - 1e-9)) * power;  // two digits
+}
+
+}  // namespace recon::program

@@ -1,0 +1,54 @@
+// The particles of a run: read from the file, with the coordinates, box and periods the user chose.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recon/fields/particle_table.hpp"
+#include "recon/points/structured_grid.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace recon::program {
+
+struct InputOptions {
+  std::string file;
+  int frame = -1;
+  int dimension = 0;  // 0: as detected
+  std::string coordinates;
+  std::string periodic = "from-file";
+  std::string bounds;
+};
+
+struct Particles {
+  ParticleTable table;
+  int dimension = 0;
+  std::vector<std::string> axes;  // names of the coordinate columns
+  Box<double> extent;             // of the particles; along periodic axes the period
+  Box<double> region;             // where a grid goes: --bounds, else the extent
+  PeriodicDomain<double> domain;
+  PeriodicDomain<double> grid_domain;  // periodic where the region covers the whole period
+  double mean_spacing = 0;             // (volume / particles)^(1 / axes that have an extent)
+
+  std::size_t size() const { return table.size(); }
+  PointsView<double> positions() const { return table.positions(dimension); }
+  // The axis of this name: that of its column, or x, y, z by place. `option` is for the message.
+  int axis(std::string_view name, const std::string& option) const;
+  // "examples/data/chute.dump.gz, frame 5, step 50000: 3,000 particles in 3-D, periodic in x and y"
+  std::string describe() const;
+};
+
+void add_input_options(CLI::App& app, InputOptions& options);
+
+// Ends with wrong_input for what is wrong with the file, wrong_usage for what is with the options.
+Particles read_input(const InputOptions& options);
+
+// A spacing near the mean spacing of the particles, of one or two digits.
+double suggested_spacing(const Particles& particles);
+// A support radius in which a fit of this degree has neighbours enough.
+double suggested_radius(const Particles& particles, int degree);
+
+}  // namespace recon::program

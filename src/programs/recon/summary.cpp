@@ -1,0 +1,81 @@
+#include "summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "text.hpp"
+
+namespace recon::program {
+
+namespace {
+
+std::string range_of(const NamedField& field, int component) {
+  double least = HUGE_VAL, greatest = -HUGE_VAL;
+  std::size_t missing = 0;
+  const FieldView<double> values = field.view();
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    const double value = values(i, component);
+    least = std::fmin(least, value);
+    greatest = std::fmax(greatest, value);
+    missing += std::isnan(value) ? 1 : 0;
+  }
+  if (missing == field.size()) return "no value anywhere";
+  return range(least, greatest) + (missing > 0 ? " (nan at " + count(missing) + ")" : "");
+}
+
+}  // namespace
+
+void print_line(std::string_view name, std::string_view text) {
+  std::printf("%-13.*s %.*s\n", static_cast<int>(name.size()), name.data(),
+              static_cast<int>(text.size()), text.data());
+}
+
+std::string describe_method(const Method& method, const FitChoice& choice) {
+  return method.name + ", degree " + std::to_string(method.degree) + ", weight " + choice.weight +
+         " (" + choice.form + ")";
+}
+
+void print_fit(const FitSummary& summary, const FitChoice& choice) {
+  const auto share = [&](std::size_t part) {
+    return count(part) + " (" +
+           number(100.0 * static_cast<double>(part) / static_cast<double>(summary.targets), 3) + " %)";
+  };
+  std::string text = "full degree at " + share(summary.full);
+  if (summary.reduced > 0) text += ", reduced at " + share(summary.reduced);
+  if (summary.nearest > 0) text += ", nearest particle at " + share(summary.nearest);
+  if (summary.no_support > 0)
+    text += ", no support at " + share(summary.no_support) + ": " + choice.unsupported;
+  print_line("fit", text);
+  if (summary.handed_over > 0)
+    print_line("", "handed over to Gram-Schmidt, being ill-conditioned: " + share(summary.handed_over));
+  print_line("neighbours", "least " + count(summary.fewest_neighbours) + ", mean " +
+                               number(summary.mean_neighbours, 3) + ", most " +
+                               count(summary.most_neighbours));
+  if (summary.no_support + summary.nearest < summary.targets)
+    print_line("conditioning",
+               "smallest rcond " + number(summary.smallest_rcond, 3) +
+                   ", errors in the data amplified at most " +
+                   number(summary.largest_amplification, 3) + " times");
+}
+
+void print_fields(const FieldSet& fields) {
+  std::size_t width = 0;
+  for (const NamedField& field : fields) width = std::max(width, field.name.size() + 2);
+  std::string_view heading = "fields";
+  for (const NamedField& field : fields) {
+    if (field.name == report_names().front()) break;
+    for (int c = 0; c < field.components; ++c) {
+      std::string name = field.name + component_suffix(field, c, field.components);
+      name.resize(std::max(name.size(), width), ' ');
+      print_line(heading, name + "  " + range_of(field, c));
+      heading = "";
+    }
+  }
+}
+
+void print_remarks(const ParticleTable& table) {
+  for (const std::string& remark : table.remarks) print_line("note", remark);
+}
+
+}  // namespace recon::program

@@ -1,0 +1,25 @@
+// What a run did, for the reader of the terminal.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "fit_choice.hpp"
+#include "mapping.hpp"
+
+namespace recon::program {
+
+// One line: a name in a column of its own, and a text.
+void print_line(std::string_view name, std::string_view text);
+
+// "imls, degree 1, cubic weight (radial)".
+std::string describe_method(const Method& method, const FitChoice& choice);
+
+// Lines about full, reduced and missing fits, the neighbours and the conditioning.
+void print_fit(const FitSummary& summary, const FitChoice& choice);
+// The ranges of the fields.
+void print_fields(const FieldSet& fields);
+// What was noticed when the file was read.
+void print_remarks(const ParticleTable& table);
+
+}  // namespace recon::program

@@ -1,0 +1,30 @@
+// Words and numbers: lists as the command line has them, numbers as a reader likes them.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace recon::program {
+
+// "vx,vy" gives {"vx", "vy"}; blanks around a word do not count. No words for an empty text.
+std::vector<std::string> split(std::string_view text, char separator = ',');
+
+// The number that the whole text is, whatever the locale; nothing if it is none or not finite.
+std::optional<double> to_number(std::string_view text);
+
+// With `digits` significant digits and no trailing zeros.
+std::string number(double value, int digits = 5);
+// With separators between thousands: 1,234,567.
+std::string count(std::size_t value);
+// "1 particle", "2 particles".
+std::string counted(std::size_t value, const std::string& noun);
+// "x", "x and y", "x, y and z".
+std::string enumeration(std::span<const std::string> words);
+
+// A range of numbers: "-1.5 .. 3".
+std::string range(double lower, double upper);
+
+}  // namespace recon::program
