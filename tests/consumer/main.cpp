@@ -21,7 +21,8 @@ int main() {
   for (int i = 0; i < 1000; ++i) {
     const double a = i % 10, b = i / 10 % 10, c = i / 100;
     // A lattice, shaken so that no two neighbourhoods are alike.
-    const std::array<double, 3> x = {h * (a + 0.3 * std::sin(7.0 * i)), h * (b + 0.3 * std::sin(11.0 * i)),
+    const std::array<double, 3> x = {h * (a + 0.3 * std::sin(7.0 * i)),
+                                     h * (b + 0.3 * std::sin(11.0 * i)),
                                      h * (c + 0.3 * std::sin(13.0 * i))};
     grains.push_back({x, velocity_at(x), 1.0});
   }
@@ -33,12 +34,11 @@ int main() {
   auto targets = recon::points_of(nodes);
   auto velocity = recon::field_of(grains, &Grain::velocity);
 
-  recon::Reconstruction fit = recon::reconstruct(
-      points, targets,
-      {.degree = 1,
-       .weight = recon::Weight::cubic_b_spline,
-       .neighbours = recon::Radius{2 * h},
-       .solver = recon::Solver::gram_schmidt});
+  recon::Reconstruction fit = recon::reconstruct(points, targets,
+                                                 {.degree = 1,
+                                                  .weight = recon::Weight::cubic_b_spline,
+                                                  .neighbours = recon::Radius{2 * h},
+                                                  .solver = recon::Solver::gram_schmidt});
   Eigen::MatrixXd v = fit.apply(velocity);  // a row per node
   Eigen::MatrixXd grad_v = fit.gradient().apply(velocity);
   Eigen::MatrixXd force = fit.apply_transpose(recon::field_of(v));
@@ -46,7 +46,8 @@ int main() {
   double error = 0;
   for (std::size_t t = 0; t < nodes.size(); ++t)
     for (int c = 0; c < 3; ++c)
-      error = std::fmax(error, std::fabs(v(Eigen::Index(t), c) - velocity_at(nodes[t])[std::size_t(c)]));
+      error = std::fmax(error,
+                        std::fabs(v(Eigen::Index(t), c) - velocity_at(nodes[t])[std::size_t(c)]));
   double gradient_error = 0;
   const double slopes[9] = {2, -1, 0, 0, 0, 0.5, -1, 0.25, -2};  // dvx/dx, dvx/dy, ...
   for (Eigen::Index t = 0; t < grad_v.rows(); ++t)
@@ -55,9 +56,9 @@ int main() {
   // The shape functions at a node add up to 1, so what the nodes give is what the particles get.
   const double lost = (force.colwise().sum() - v.colwise().sum()).cwiseAbs().maxCoeff();
 
-  std::printf("%zu nodes, %zu reduced; errors: value %.1e, gradient %.1e, transpose %.1e\n", nodes.size(),
-              fit.report().reduced(), error, gradient_error, lost);
-  const bool right = fit.report().reduced() == 0 && fit.report().no_support() == 0 && error <= 1e-12 &&
-                     gradient_error <= 1e-10 && lost <= 1e-10;
+  std::printf("%zu nodes, %zu reduced; errors: value %.1e, gradient %.1e, transpose %.1e\n",
+              nodes.size(), fit.report().reduced(), error, gradient_error, lost);
+  const bool right = fit.report().reduced() == 0 && fit.report().no_support() == 0 &&
+                     error <= 1e-12 && gradient_error <= 1e-10 && lost <= 1e-10;
   return right ? 0 : 1;
 }

@@ -69,11 +69,15 @@ struct Monomials {
     return all;
   }();
 
-  // The place of the monomial with these exponents, or -1.
+  // The place of the monomial with these exponents, or -1 if its degree is above R. Before it come
+  // all terms of lower degree, and of its own degree those that have more of an earlier axis.
   static constexpr int find(const Exponents& wanted) {
-    for (int j = 0; j < size; ++j)
-      if (exponents[j] == wanted) return j;
-    return -1;
+    int place = 0, left = 0;
+    for (int d = D - 1; d >= 0; --d) {
+      left += wanted[d];
+      place += detail::term_count(D - d, left - 1);
+    }
+    return left <= R ? place : -1;
   }
 
   // values[j] = xi^exponents[j] for all terms, each one product from an earlier term.

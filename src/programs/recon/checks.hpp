@@ -1,6 +1,7 @@
 // Checks of option values, with messages that say what is needed.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -20,16 +21,19 @@ using Check = std::function<std::string(const std::string&)>;
 inline Check positive_number() {
   return [](const std::string& text) -> std::string {
     const auto value = to_number(text);
-    return value && *value > 0 ? "" : "'" + text + "' is not a number above 0";
+    return value && *value > 0 ? "" : "a number above 0 is needed, not '" + text + "'";
   };
 }
 
 inline Check whole_number(std::optional<int> least) {
   return [least](const std::string& text) -> std::string {
     const auto value = to_number(text);
-    if (value && *value == static_cast<int>(*value) && (!least || *value >= *least)) return "";
-    return "'" + text + "' is not a whole number" +
-           (least ? ", " + std::to_string(*least) + " or more" : "");
+    if (value && std::abs(*value) < 1e9 && *value == std::floor(*value) &&
+        (!least || *value >= *least))
+      return "";
+    return std::string("a whole number") +
+           (least ? " of " + std::to_string(*least) + " or more" : "") + " is needed, not '" +
+           text + "'";
   };
 }
 

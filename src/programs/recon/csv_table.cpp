@@ -31,9 +31,8 @@ std::string quoted(const std::string& name) {
 }  // namespace
 
 CsvColumn number_column(std::string name, const std::vector<double>& values) {
-  return {std::move(name), [&values](std::size_t row, std::string& text) {
-            append_number(values[row], text);
-          }};
+  return {std::move(name),
+          [&values](std::size_t row, std::string& text) { append_number(values[row], text); }};
 }
 
 void write_csv_table(const std::filesystem::path& path, const std::vector<CsvColumn>& columns,

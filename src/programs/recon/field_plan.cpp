@@ -72,8 +72,8 @@ const Names derived_names{"velocity", "speed", "density", "number_density", "sol
 
 PlannedField plan_derived(Particles& particles, const std::string& name) {
   if (const std::string missing = missing_for(name, particles); !missing.empty())
-    fail_usage("field " + name + " needs " + missing + "; the columns of the file are: " +
-               enumeration(particles.table.names()));
+    fail_usage("field " + name + " needs " + missing +
+               "; the columns of the file are: " + enumeration(particles.table.names()));
   if (name == "velocity") return {name, velocity_columns(particles), {}};
   if (name == "speed") {
     particles.table.add_column(name, speeds(particles));
@@ -128,7 +128,8 @@ void require_distinct(const FieldPlan& plan) {
       fail_usage(at - names.begin() < static_cast<std::ptrdiff_t>(reports)
                      ? "field '" + field.name +
                            "' has the name of a report that is always written; give it another one "
-                           "with --components NAME=" + field.name
+                           "with --components NAME=" +
+                           field.name
                      : "field '" + field.name + "' is asked for twice");
     names.push_back(field.name);
   }
@@ -137,8 +138,9 @@ void require_distinct(const FieldPlan& plan) {
 }  // namespace
 
 Names mappable_columns(const Particles& particles) {
-  static const Names labels{"id", "type", "mol", "element", "ix", "iy", "iz", "x",  "y",  "z",
-                            "X",  "Y",    "Z",   "xu",      "yu", "zu", "Points:0", "Points:1",
+  static const Names labels{"id",       "type",     "mol",      "element", "ix",       "iy",
+                            "iz",       "x",        "y",        "z",       "X",        "Y",
+                            "Z",        "xu",       "yu",       "zu",      "Points:0", "Points:1",
                             "Points:2", "Points_0", "Points_1", "Points_2"};
   Names columns;
   for (const std::string& name : particles.table.names())
@@ -163,8 +165,9 @@ FieldPlan plan_fields(Particles& particles, const std::string& fields,
       for (const std::string& column : field.columns) particles.table.column(column);
   });
   if (plan.empty())
-    fail_usage("no fields to map: name them, as in --fields vx,vy,vz; the columns of the file are: " +
-               enumeration(particles.table.names()));
+    fail_usage(
+        "no fields to map: name them, as in --fields vx,vy,vz; the columns of the file are: " +
+        enumeration(particles.table.names()));
   require_distinct(plan);
   return plan;
 }

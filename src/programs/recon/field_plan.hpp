@@ -24,8 +24,8 @@ struct PlannedField {
 
 using FieldPlan = std::vector<PlannedField>;
 
-// `fields` as --fields has it, `components` as each --components does ("v=vx,vy,vz"). Derived columns
-// are added to the table of the particles.
+// `fields` as --fields has it, `components` as each --components does ("v=vx,vy,vz"). Derived
+// columns are added to the table of the particles.
 FieldPlan plan_fields(Particles& particles, const std::string& fields,
                       const std::vector<std::string>& components);
 

@@ -41,35 +41,56 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
   const std::string group = "Reconstruction";
   app.add_option("--degree", choice.degree,
                  "polynomials up to this degree are reproduced: 0 to 4\n(default 1)")
-      ->type_name("P")->check(one_of({"0", "1", "2", "3", "4"}))->group(group);
+      ->type_name("P")
+      ->check(one_of({"0", "1", "2", "3", "4"}))
+      ->group(group);
   app.add_option("--radius", choice.radius,
                  "support radius, a length (default: 2 mean spacings of the\n"
                  "particles, more for degrees that need it)")
-      ->type_name("R")->check(positive_number())->group(group);
+      ->type_name("R")
+      ->check(positive_number())
+      ->group(group);
   app.add_option("--k", choice.k,
                  "use the N nearest particles, each target with a support of\n"
                  "its own; with --radius too: the N nearest of those within R")
-      ->type_name("N")->check(whole_number(1))->group(group);
+      ->type_name("N")
+      ->check(whole_number(1))
+      ->group(group);
   app.add_option("--grow", choice.grow,
                  "where the degree is not reached, try again with the support\n"
                  "enlarged by a quarter, up to N times")
-      ->type_name("N")->check(whole_number(0))->capture_default_str()->group(group);
+      ->type_name("N")
+      ->check(whole_number(0))
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--weight", choice.weight,
                  "weight function: linear, quadratic, cubic, quartic, quintic\n"
                  "(B-splines), wendland_c0, _c2, _c4, _c6, gaussian,\n"
                  "inverse_distance")
-      ->type_name("NAME")->check(one_of(weight_names()))->capture_default_str()->group(group);
+      ->type_name("NAME")
+      ->check(one_of(weight_names()))
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--form", choice.form,
                  "radial: the weight of the distance, the support a ball;\n"
                  "tensor: a factor for each axis, the support a cube")
-      ->type_name("FORM")->check(one_of({"radial", "tensor"}))->capture_default_str()->group(group);
+      ->type_name("FORM")
+      ->check(one_of({"radial", "tensor"}))
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--unsupported", choice.unsupported,
                  "value where no particle is in the support: nan, nearest (that\n"
                  "of the nearest particle) or a number")
-      ->type_name("VALUE")->check(unsupported_check)->capture_default_str()->group(group);
+      ->type_name("VALUE")
+      ->check(unsupported_check)
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--threads", choice.threads,
                  "threads (0: all processors); results do not depend on it")
-      ->type_name("N")->check(whole_number(0))->capture_default_str()->group(group);
+      ->type_name("N")
+      ->check(whole_number(0))
+      ->capture_default_str()
+      ->group(group);
 }
 
 Method read_method(const std::string& text, const FitChoice& choice) {
@@ -85,7 +106,7 @@ Method read_method(const std::string& text, const FitChoice& choice) {
       fail_usage("method " + text + ": '" + degree + "' is not a degree from 0 to 4");
     method.degree = degree[0] - '0';
   } else if (method.name == "shepard") {
-    method.degree = 0;
+    method.degree = choice.degree.value_or(0);
   }
   if (method.name == "shepard" && method.degree > 0)
     fail_usage("method shepard is a weighted mean, degree 0; for degree " +
@@ -102,13 +123,16 @@ Options fit_options(const FitChoice& choice, const Method& method, const Particl
   options.domain = particles.domain;
   options.grow.steps = choice.grow;
   options.threads = choice.threads;
+  if (choice.k && *choice.k > particles.size())
+    fail_usage("--k " + std::to_string(*choice.k) + ": there are " +
+               counted(particles.size(), "particle") + " only");
   if (choice.k && choice.radius)
     options.neighbours = NearestWithin{*choice.k, *choice.radius};
   else if (choice.k)
     options.neighbours = Nearest{*choice.k};
   else
-    options.neighbours = Radius{choice.radius ? *choice.radius
-                                              : suggested_radius(particles, method.degree)};
+    options.neighbours =
+        Radius{choice.radius ? *choice.radius : suggested_radius(particles, method.degree)};
   if (choice.unsupported == "nearest")
     options.unsupported = Unsupported::nearest;
   else if (const auto value = to_number(choice.unsupported))

@@ -30,7 +30,8 @@ void add_fit_options(CLI::App& app, FitChoice& choice);
 // What --method takes, for its help.
 extern const char* const method_help;
 
-// `text` is NAME or NAME:DEGREE; without a degree that of `choice` holds, else 1, and 0 for shepard.
+// `text` is NAME or NAME:DEGREE; without a degree that of `choice` holds, else 1, and 0 for
+// shepard.
 Method read_method(const std::string& text, const FitChoice& choice);
 
 Options fit_options(const FitChoice& choice, const Method& method, const Particles& particles);

@@ -57,8 +57,9 @@ struct Statistics {
 void print_columns(const Particles& particles) {
   std::size_t width = 5;
   for (const std::string& name : particles.table.names()) width = std::max(width, name.size());
-  const auto row = [&](const std::string& heading, const std::string& name, const std::string& least,
-                       const std::string& greatest, const std::string& mean) {
+  const auto row = [&](const std::string& heading, const std::string& name,
+                       const std::string& least, const std::string& greatest,
+                       const std::string& mean) {
     std::printf("%-13s %-*s %12s %12s %12s", heading.c_str(), static_cast<int>(width), name.c_str(),
                 least.c_str(), greatest.c_str(), mean.c_str());
   };
@@ -74,7 +75,8 @@ void print_columns(const Particles& particles) {
       row("", name, number(all.least), number(all.greatest),
           number(all.sum / static_cast<double>(all.finite)));
     if (all.finite < particles.size())
-      std::printf("   not finite at %s", counted(particles.size() - all.finite, "particle").c_str());
+      std::printf("   not finite at %s",
+                  counted(particles.size() - all.finite, "particle").c_str());
     std::printf("\n");
   }
   const std::vector<std::string> derived = derivable_fields(particles);
@@ -99,8 +101,8 @@ void print_suggestion(const Particles& particles, const std::string& file) {
   print_line("mean spacing", number(particles.mean_spacing, 3));
   print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes), support radius " +
                               number(radius) + ":");
-  std::printf("  recon map %s --fields %s --spacing %s --radius %s --out fields.vti\n", file.c_str(),
-              names.c_str(), number(spacing).c_str(), number(radius).c_str());
+  std::printf("  recon map %s --fields %s --spacing %s --radius %s --out fields.vti\n",
+              file.c_str(), names.c_str(), number(spacing).c_str(), number(radius).c_str());
 }
 
 void run(const InputOptions& options) {

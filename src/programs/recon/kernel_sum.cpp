@@ -9,8 +9,8 @@ namespace recon::program {
 
 namespace {
 
-// integral of w(q) q^power over 0 <= q <= 1: Gauss-Legendre with four points in 600 intervals, whose
-// borders are among them the knots of the B-splines.
+// integral of w(q) q^power over 0 <= q <= 1: Gauss-Legendre with four points in 600 intervals,
+// whose borders are among them the knots of the B-splines.
 double radial_moment(const WeightFunction& weight, int power) {
   constexpr int intervals = 600;
   constexpr std::array<double, 4> place{-0.86113631159405258, -0.33998104358485626,
@@ -31,8 +31,7 @@ double radial_moment(const WeightFunction& weight, int power) {
 }  // namespace
 
 double weight_integral(const WeightFunction& weight, WeightForm form, int dimension) {
-  if (form == WeightForm::tensor_product)
-    return std::pow(2 * radial_moment(weight, 0), dimension);
+  if (form == WeightForm::tensor_product) return std::pow(2 * radial_moment(weight, 0), dimension);
   constexpr std::array<double, max_dimension> unit_sphere{2, 2 * std::numbers::pi,
                                                           4 * std::numbers::pi};
   return unit_sphere[dimension - 1] * radial_moment(weight, dimension - 1);

@@ -37,7 +37,8 @@ class HelpFormatter : public CLI::Formatter {
     if (is_positional) text.erase(0, text.find('\n', 1) + 1).insert(0, "\n");
     return text;
   }
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
     std::string text = Formatter::make_help(app, name, mode);
     for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
     return text;
@@ -83,7 +84,8 @@ void check_names(const CLI::App& app, const std::vector<std::string>& words) {
     }
     if (command == &app) {
       if (std::filesystem::exists(words[0]))
-        fail_usage("'" + words[0] + "' is a file; what is to be done with it? For a start:\n  recon info " +
+        fail_usage("'" + words[0] +
+                   "' is a file; what is to be done with it? For a start:\n  recon info " +
                    words[0]);
       fail_usage("unknown command '" + words[0] + "'; " + suggest(words[0], commands));
     }
@@ -92,8 +94,7 @@ void check_names(const CLI::App& app, const std::vector<std::string>& words) {
   const std::vector<std::string> names = option_names(*command);
   for (std::size_t i = first; i < words.size(); ++i) {
     const std::string name = words[i].substr(0, words[i].find('='));
-    if (!looks_like_option(words[i]) ||
-        std::find(names.begin(), names.end(), name) != names.end())
+    if (!looks_like_option(words[i]) || std::find(names.begin(), names.end(), name) != names.end())
       continue;
     fail_usage("unknown option '" + name + "'; " + suggest(name, names) + "\nSee recon " +
                (first == 1 ? words[0] + " " : "") + "--help.");
@@ -108,7 +109,8 @@ void parse(CLI::App& app, std::vector<std::string> words) {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "recon turns scattered particle data into fields: values and gradients on grids, by weighted\n"
+      "recon turns scattered particle data into fields: values and gradients on grids, by "
+      "weighted\n"
       "least squares (Shepard, MLS, IMLS) with a report for every node.\n\n"
       "  recon info FILE                            what is in a file\n"
       "  recon map FILE --fields vx --out v.vti     fields on a grid\n"
@@ -128,7 +130,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ExtrasError&) {
     std::string extra;
     for (const CLI::App* sub : app.get_subcommands())
-      for (const std::string& word : sub->remaining()) extra += (extra.empty() ? "'" : " '") + word + "'";
+      for (const std::string& word : sub->remaining())
+        extra += (extra.empty() ? "'" : " '") + word + "'";
     fail_usage("too many arguments: " + extra +
                " (lists are written with commas and without blanks, as in vx,vy,vz)");
   } catch (const CLI::ParseError& error) {

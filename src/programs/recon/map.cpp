@@ -39,9 +39,8 @@ struct Targets {
 
 void choose_grid(const MapOptions& options, const Particles& particles, Targets& targets) {
   const double spacing = options.spacing ? *options.spacing : suggested_spacing(particles);
-  targets.grid = with_exit_code(wrong_usage, [&] {
-    return covering_grid(particles.region, spacing, particles.grid_domain);
-  });
+  targets.grid = with_exit_code(
+      wrong_usage, [&] { return covering_grid(particles.region, spacing, particles.grid_domain); });
   targets.nodes = targets.grid.nodes();
   targets.points = targets.nodes.view();
   std::string counts, spacings;
@@ -73,10 +72,12 @@ void check_options(const MapOptions& options) {
   if (options.outputs.empty() && options.picture.file.empty())
     fail_usage("nothing to write: name a file with --out (.vti, .vtp or .csv), --picture, or both");
   const bool grid = options.targets == "grid";
-  if (!grid && options.spacing) fail_usage("--spacing is for a grid; --targets names points of a file");
+  if (!grid && options.spacing)
+    fail_usage("--spacing is for a grid; --targets names points of a file");
   if (!grid && !options.picture.file.empty())
     fail_usage("--picture needs a grid of targets; --targets names points of a file");
-  if (options.picture.file.empty() && !(options.picture.slice.empty() && options.picture.fields.empty()))
+  if (options.picture.file.empty() &&
+      !(options.picture.slice.empty() && options.picture.fields.empty()))
     fail_usage("--slice and --show say what is drawn, but no file is named with --picture");
   std::vector<std::string> inputs{options.input.file};
   if (!grid) inputs.push_back(options.targets);
@@ -89,7 +90,8 @@ void check_shown(const MapOptions& options, const FieldPlan& plan, int dimension
   for (const PlannedField& field : plan) {
     names.push_back(field.name);
     if (options.gradient)
-      for (const std::string& gradient : gradient_names(field, dimension)) names.push_back(gradient);
+      for (const std::string& gradient : gradient_names(field, dimension))
+        names.push_back(gradient);
   }
   for (const std::string& name : split(options.picture.fields))
     if (const std::string wrong = one_of(names)(name); !wrong.empty())
@@ -161,13 +163,18 @@ void add_target_options(CLI::App& app, MapOptions& options) {
                  "of the particles). Nodes lie at whole multiples of it and\n"
                  "cover the particles; on periodic axes it is shrunk to fill the\n"
                  "period, and the last node, being the first again, is left out")
-      ->type_name("H")->check(positive_number())->group(group);
+      ->type_name("H")
+      ->check(positive_number())
+      ->group(group);
   app.add_option("--bounds", options.input.bounds,
                  "the grid covers this box and not the particles'")
-      ->type_name("XLO,XHI,...")->group(group);
+      ->type_name("XLO,XHI,...")
+      ->group(group);
   app.add_option("--targets", options.targets,
                  "grid, or a file of points: x,y,z in columns as in FILE")
-      ->type_name("FILE")->capture_default_str()->group(group);
+      ->type_name("FILE")
+      ->capture_default_str()
+      ->group(group);
 }
 
 void add_field_options(CLI::App& app, MapOptions& options) {
@@ -186,11 +193,14 @@ void add_field_options(CLI::App& app, MapOptions& options) {
                  "These sums are 0 where nothing is near; close to walls and\n"
                  "free surfaces they fall off over a support radius and are\n"
                  "not corrected for the empty part of the support")
-      ->type_name("NAMES")->group(group);
+      ->type_name("NAMES")
+      ->group(group);
   app.add_option("--components", options.components,
                  "columns as one field of several components, as in\n"
                  "v=vx,vy,vz; may be given again")
-      ->type_name("NAME=COLUMNS")->allow_extra_args(false)->group(group);
+      ->type_name("NAME=COLUMNS")
+      ->allow_extra_args(false)
+      ->group(group);
   app.add_flag("--gradient", options.gradient,
                "also the exact gradients: dvx_dx, dvx_dy, ... (not of the\n"
                "sums: density, number_density, solid_fraction)")
@@ -204,18 +214,23 @@ void add_output_options(CLI::App& app, MapOptions& options) {
                  "(points) for ParaView, .csv for both. With the fields go\n"
                  "neighbours, rank, degree that is reproduced, and status\n"
                  "(full, reduced, nearest, no_support; in VTK 0, 1, 2, 3)")
-      ->type_name("FILE")->allow_extra_args(false)->group(group);
+      ->type_name("FILE")
+      ->allow_extra_args(false)
+      ->group(group);
   app.add_option("--picture", options.picture.file,
                  "draw a field: .png or .svg. A 3-D grid is cut by a plane")
-      ->type_name("FILE")->group(group);
+      ->type_name("FILE")
+      ->group(group);
   app.add_option("--slice", options.picture.slice,
                  "the plane: the grid nodes nearest to it are drawn (default:\n"
                  "the middle of y, that is an x-z section)")
-      ->type_name("AXIS=PLACE")->group(group);
+      ->type_name("AXIS=PLACE")
+      ->group(group);
   app.add_option("--show", options.picture.fields,
                  "fields of the picture, side by side on one colour scale; also\n"
                  "degree, neighbours, ... (default: the first of --fields)")
-      ->type_name("NAMES")->group(group);
+      ->type_name("NAMES")
+      ->group(group);
   app.add_flag("--quiet", options.quiet, "no summary and no progress")->group(group);
 }
 
@@ -228,7 +243,8 @@ Command add_map(CLI::App& app) {
   add_input_options(*sub, options->input);
   add_field_options(*sub, *options);
   add_target_options(*sub, *options);
-  sub->add_option("--method", options->method, method_help)->type_name("NAME")
+  sub->add_option("--method", options->method, method_help)
+      ->type_name("NAME")
       ->group("Reconstruction");
   add_fit_options(*sub, options->fit);
   add_output_options(*sub, *options);

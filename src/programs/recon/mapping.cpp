@@ -22,7 +22,9 @@ struct Part {
   }
   PointsView<double> view() const {
     constexpr std::ptrdiff_t number = sizeof(double);
-    return {axes[0].size(), dimension, {axes[0].data(), axes[1].data(), axes[2].data()},
+    return {axes[0].size(),
+            dimension,
+            {axes[0].data(), axes[1].data(), axes[2].data()},
             {number, number, number}};
   }
 };
@@ -53,7 +55,10 @@ class Mapper {
  public:
   Mapper(const Particles& particles, const FieldPlan& plan, const Options& options,
          std::size_t targets, bool gradient)
-      : particles_(particles), plan_(plan), options_(options), positions_(particles.positions()),
+      : particles_(particles),
+        plan_(plan),
+        options_(options),
+        positions_(particles.positions()),
         gradient_(gradient) {
     for (const PlannedField& field : plan)
       for (const std::string& column : field.columns) place_of(column);

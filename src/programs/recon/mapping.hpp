@@ -26,5 +26,4 @@ std::vector<std::string> gradient_names(const PlannedField& field, int dimension
 Mapped map_fields(const Particles& particles, const FieldPlan& plan, const Options& options,
                   const PointsView<double>& targets, bool gradient, Progress& progress);
 
-
 }  // namespace recon::program

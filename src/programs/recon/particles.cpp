@@ -30,9 +30,8 @@ void choose_coordinates(const InputOptions& options, ParticleTable& table) {
 int choose_dimension(const InputOptions& options, const ParticleTable& table) {
   const int detected = with_exit_code(wrong_input, [&] { return table.dimension(); });
   if (options.dimension == 0) return detected;
-  return with_exit_code(wrong_usage, [&] {
-    return static_cast<int>(table.coordinates(options.dimension).size());
-  });
+  return with_exit_code(
+      wrong_usage, [&] { return static_cast<int>(table.coordinates(options.dimension).size()); });
 }
 
 // The numbers of --bounds, or nothing where it is not given.
@@ -42,7 +41,9 @@ std::optional<Box<double>> read_bounds(const std::string& text, int dimension) {
   if (words.size() != 2 * static_cast<std::size_t>(dimension))
     fail_usage("--bounds " + text + ": needs a lower and an upper bound for each of the " +
                std::to_string(dimension) + " axes, as in " +
-               (dimension == 3 ? "0,1,0,1,0,1" : dimension == 2 ? "0,1,0,1" : "0,1"));
+               (dimension == 3   ? "0,1,0,1,0,1"
+                : dimension == 2 ? "0,1,0,1"
+                                 : "0,1"));
   Box<double> box = Box<double>::empty(dimension);
   for (int d = 0; d < dimension; ++d) {
     const auto lower = to_number(words[2 * d]), upper = to_number(words[2 * d + 1]);
@@ -63,7 +64,8 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
   if (!particles.table.has_box() && !bounds)
     fail_usage("--periodic " + options.periodic + ": " + options.file +
                " does not tell the box; say where the periods begin and end with --bounds");
-  const Box<double> box = particles.table.has_box() ? particles.table.box(particles.dimension) : *bounds;
+  const Box<double> box =
+      particles.table.has_box() ? particles.table.box(particles.dimension) : *bounds;
   for (const std::string& name : split(options.periodic)) {
     const int axis = particles.axis(name, "--periodic");
     domain.periodic[axis] = true;
@@ -74,15 +76,27 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
   return domain;
 }
 
-double mean_spacing(const Box<double>& extent, std::size_t particles) {
-  double volume = 1;
-  int axes = 0;
-  for (int d = 0; d < extent.dimension; ++d) {
-    if (!(extent.extent(d) > 0)) continue;
-    volume *= extent.extent(d);
-    ++axes;
+// The spacing of a regular lattice that has as many points in this extent: along an axis of length
+// L it has L / spacing of them where the axis is periodic, else one more. 0 for particles at one
+// place.
+double mean_spacing(const Particles& particles) {
+  const auto points = [&](double spacing) {
+    double product = 1;
+    for (int d = 0; d < particles.dimension; ++d)
+      product *= particles.extent.extent(d) / spacing + (particles.domain.periodic[d] ? 0 : 1);
+    return product;
+  };
+  double longest = 0;
+  for (int d = 0; d < particles.dimension; ++d)
+    longest = std::max(longest, particles.extent.extent(d));
+  const double wanted = static_cast<double>(particles.size());
+  if (!(longest > 0) || (wanted == 1 && !particles.domain.any())) return 0;
+  double least = longest * 1e-12, greatest = longest * 2;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = std::sqrt(least) * std::sqrt(greatest);
+    (points(middle) > wanted ? least : greatest) = middle;
   }
-  return axes == 0 ? 0 : std::pow(volume / static_cast<double>(particles), 1.0 / axes);
+  return greatest;
 }
 
 }  // namespace
@@ -109,22 +123,30 @@ void add_input_options(CLI::App& app, InputOptions& options) {
   const std::string group = "Particles";
   app.add_option("FILE", options.file,
                  "LAMMPS text dump, or delimited text with a line of column\n"
-                                       "names; either may be gzipped")
+                 "names; either may be gzipped")
       ->type_name(" ");
   app.add_option("--frame", options.frame, "frame of the file, from 0; from the end -1, -2, ...")
-      ->type_name("N")->check(whole_number(std::nullopt))->capture_default_str()->group(group);
+      ->type_name("N")
+      ->check(whole_number(std::nullopt))
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--periodic", options.periodic,
                  "periodic axes: from-file (the boundary flags of LAMMPS),\n"
                  "none, or axes like x,y, whose periods are those of the\n"
                  "file's box or else of --bounds")
-      ->type_name("AXES")->capture_default_str()->group(group);
+      ->type_name("AXES")
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--coordinates", options.coordinates,
                  "columns that hold the coordinates, if not x,y,z")
-      ->type_name("NAMES")->group(group);
+      ->type_name("NAMES")
+      ->group(group);
   app.add_option("--dimension", options.dimension,
                  "2 or 3 (or 1), if not as detected: a z that is the same for\n"
                  "all particles means 2-D; 2 leaves z out of account")
-      ->type_name("D")->check(one_of({"1", "2", "3"}))->group(group);
+      ->type_name("D")
+      ->check(one_of({"1", "2", "3"}))
+      ->group(group);
 }
 
 Particles read_input(const InputOptions& options) {
@@ -147,7 +169,7 @@ Particles read_input(const InputOptions& options) {
     particles.extent.lower[d] = particles.domain.lower[d];
     particles.extent.upper[d] = particles.domain.upper[d];
   }
-  particles.mean_spacing = mean_spacing(particles.extent, particles.size());
+  particles.mean_spacing = mean_spacing(particles);
   particles.region = bounds.value_or(particles.extent);
   particles.grid_domain = particles.domain;
   for (int d = 0; d < particles.dimension; ++d)
@@ -171,7 +193,8 @@ double suggested_spacing(const Particles& particles) {
 
 double suggested_radius(const Particles& particles, int degree) {
   if (!(particles.mean_spacing > 0))
-    fail_usage("all particles are at one place, so no support can be suggested: say --radius or --k");
+    fail_usage(
+        "all particles are at one place, so no support can be suggested: say --radius or --k");
   constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
                                                         4 * std::numbers::pi / 3};
   const int terms = static_cast<int>(monomial_count(particles.dimension, degree));

@@ -31,7 +31,7 @@ struct Particles {
   Box<double> region;             // where a grid goes: --bounds, else the extent
   PeriodicDomain<double> domain;
   PeriodicDomain<double> grid_domain;  // periodic where the region covers the whole period
-  double mean_spacing = 0;             // (volume / particles)^(1 / axes that have an extent)
+  double mean_spacing = 0;             // of a regular lattice of as many points; 0 if at one place
 
   std::size_t size() const { return table.size(); }
   PointsView<double> positions() const { return table.positions(dimension); }

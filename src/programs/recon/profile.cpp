@@ -55,8 +55,7 @@ Planes choose_planes(const ProfileOptions& options, const Particles& particles) 
     region.upper[planes.axis] = *upper;
     domain.periodic[planes.axis] = false;
   }
-  const double suggested =
-      options.spacing && options.across ? 0 : suggested_spacing(particles);
+  const double suggested = options.spacing && options.across ? 0 : suggested_spacing(particles);
   with_exit_code(wrong_usage, [&] {
     planes.grid = covering_grid(region, options.across.value_or(suggested), domain);
     const auto along = covering_grid(region, options.spacing.value_or(suggested / 4), domain);
@@ -69,7 +68,8 @@ Planes choose_planes(const ProfileOptions& options, const Particles& particles) 
 }
 
 // Means over the planes, of the numbers that are not NaN.
-std::vector<double> plane_means(const Planes& planes, const FieldView<double>& values, int component) {
+std::vector<double> plane_means(const Planes& planes, const FieldView<double>& values,
+                                int component) {
   std::vector<double> sums(planes.levels(), 0.0), counts(planes.levels(), 0.0);
   for (std::size_t node = 0; node < values.size(); ++node) {
     const double value = values(node, component);
@@ -109,7 +109,9 @@ class ProfileTable {
         const std::string label = method.name + ", degree " + std::to_string(method.degree);
         const bool sum = planned.is_kernel_sum();
         columns_.push_back({sum ? name : name + "_" + suffix,
-                            sum ? name : columns_per_method() > 1 ? name + ", " + label : label,
+                            sum                        ? name
+                            : columns_per_method() > 1 ? name + ", " + label
+                                                       : label,
                             plane_means(planes_, field.view(), c)});
       }
     }
@@ -129,8 +131,10 @@ class ProfileTable {
     for (std::size_t i = 0; i < planes_.levels(); ++i)
       levels.push_back(planes_.grid.coordinate(i, planes_.axis));
     std::vector<CsvColumn> columns{number_column(axis, levels)};
-    for (const Column& column : columns_) columns.push_back(number_column(column.name, column.values));
-    for (const Column& column : reports_) columns.push_back(number_column(column.name, column.values));
+    for (const Column& column : columns_)
+      columns.push_back(number_column(column.name, column.values));
+    for (const Column& column : reports_)
+      columns.push_back(number_column(column.name, column.values));
     write_csv_table(path, columns, levels.size());
   }
 
@@ -192,7 +196,8 @@ void print_ends(const Planes& planes, const ProfileTable& table, const std::stri
 }
 
 void run(const ProfileOptions& options) {
-  if (options.input.file.empty()) fail_usage("profile: the FILE is missing; see recon profile --help");
+  if (options.input.file.empty())
+    fail_usage("profile: the FILE is missing; see recon profile --help");
   if (options.out.empty() && options.picture.empty())
     fail_usage("nothing to write: name a file with --out (.csv), --picture, or both");
   std::vector<std::string> outputs;
@@ -240,7 +245,8 @@ void run(const ProfileOptions& options) {
   std::printf("\n");
   print_ends(planes, table, axis);
   print_line("time", number(progress.seconds(), 2) + " s");
-  if (!options.out.empty()) print_line("written", options.out + " (" + file_size(options.out) + ")");
+  if (!options.out.empty())
+    print_line("written", options.out + " (" + file_size(options.out) + ")");
   if (!options.picture.empty())
     print_line(options.out.empty() ? "written" : "",
                options.picture + " (" + file_size(options.picture) + ")");
@@ -250,23 +256,33 @@ void add_profile_options(CLI::App& app, ProfileOptions& options) {
   app.add_option("--fields", options.fields,
                  "columns or derived fields, as in vx,solid_fraction; see\n"
                  "recon map --help")
-      ->type_name("NAMES")->group("Fields");
+      ->type_name("NAMES")
+      ->group("Fields");
   const std::string group = "Targets";
   app.add_option("--axis", options.axis, "the axis of the profile")
-      ->type_name("AXIS")->capture_default_str()->group(group);
+      ->type_name("AXIS")
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--spacing", options.spacing,
                  "distance of the planes along the axis (default: a quarter of\n"
                  "the mean spacing of the particles)")
-      ->type_name("H")->check(positive_number())->group(group);
+      ->type_name("H")
+      ->check(positive_number())
+      ->group(group);
   app.add_option("--across", options.across,
                  "spacing of the targets in a plane (default: near the mean\n"
                  "spacing)")
-      ->type_name("H")->check(positive_number())->group(group);
+      ->type_name("H")
+      ->check(positive_number())
+      ->group(group);
   app.add_option("--range", options.levels,
                  "planes from LO to HI (default: where the particles are)")
-      ->type_name("LO,HI")->group(group);
-  app.add_option("--bounds", options.input.bounds, "the planes cover this box and not the particles'")
-      ->type_name("XLO,XHI,...")->group(group);
+      ->type_name("LO,HI")
+      ->group(group);
+  app.add_option("--bounds", options.input.bounds,
+                 "the planes cover this box and not the particles'")
+      ->type_name("XLO,XHI,...")
+      ->group(group);
 }
 
 }  // namespace
@@ -279,8 +295,11 @@ Command add_profile(CLI::App& app) {
   add_profile_options(*sub, *options);
   sub->add_option("--methods", options->methods,
                   "methods to compare, as in shepard,mls,imls or, with degrees\n"
-                  "of their own, imls:1,imls:2\n" + std::string(method_help))
-      ->type_name("NAMES")->capture_default_str()->group("Reconstruction");
+                  "of their own, imls:1,imls:2\n" +
+                      std::string(method_help))
+      ->type_name("NAMES")
+      ->capture_default_str()
+      ->group("Reconstruction");
   add_fit_options(*sub, options->fit);
   const std::string group = "Output";
   sub->add_option("--out", options->out,
@@ -288,9 +307,11 @@ Command add_profile(CLI::App& app) {
                   "method (vx_imls), the share of targets with support, and for\n"
                   "each method the share that reaches the full degree. A mean is\n"
                   "over the targets that have a value; nan where none has")
-      ->type_name("FILE")->group(group);
+      ->type_name("FILE")
+      ->group(group);
   sub->add_option("--picture", options->picture, "draw the curves: .png or .svg")
-      ->type_name("FILE")->group(group);
+      ->type_name("FILE")
+      ->group(group);
   sub->add_flag("--quiet", options->quiet, "no summary and no progress")->group(group);
   sub->footer(
       "Example:\n"

@@ -36,7 +36,8 @@ Cut choose_cut(const PictureOptions& options, const Particles& particles,
   const std::size_t equals = options.slice.find('=');
   const auto place =
       equals == std::string::npos ? std::nullopt : to_number(options.slice.substr(equals + 1));
-  if (!place) fail_usage("--slice " + options.slice + ": an axis and a place are needed, as in z=5");
+  if (!place)
+    fail_usage("--slice " + options.slice + ": an axis and a place are needed, as in z=5");
   Cut cut;
   cut.axis = particles.axis(options.slice.substr(0, equals), "--slice");
   const double first = grid.origin[cut.axis];

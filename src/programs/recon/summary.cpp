@@ -39,7 +39,8 @@ std::string describe_method(const Method& method, const FitChoice& choice) {
 void print_fit(const FitSummary& summary, const FitChoice& choice) {
   const auto share = [&](std::size_t part) {
     return count(part) + " (" +
-           number(100.0 * static_cast<double>(part) / static_cast<double>(summary.targets), 3) + " %)";
+           number(100.0 * static_cast<double>(part) / static_cast<double>(summary.targets), 3) +
+           " %)";
   };
   std::string text = "full degree at " + share(summary.full);
   if (summary.reduced > 0) text += ", reduced at " + share(summary.reduced);
@@ -48,15 +49,15 @@ void print_fit(const FitSummary& summary, const FitChoice& choice) {
     text += ", no support at " + share(summary.no_support) + ": " + choice.unsupported;
   print_line("fit", text);
   if (summary.handed_over > 0)
-    print_line("", "handed over to Gram-Schmidt, being ill-conditioned: " + share(summary.handed_over));
+    print_line("",
+               "handed over to Gram-Schmidt, being ill-conditioned: " + share(summary.handed_over));
   print_line("neighbours", "least " + count(summary.fewest_neighbours) + ", mean " +
                                number(summary.mean_neighbours, 3) + ", most " +
                                count(summary.most_neighbours));
   if (summary.no_support + summary.nearest < summary.targets)
-    print_line("conditioning",
-               "smallest rcond " + number(summary.smallest_rcond, 3) +
-                   ", errors in the data amplified at most " +
-                   number(summary.largest_amplification, 3) + " times");
+    print_line("conditioning", "smallest rcond " + number(summary.smallest_rcond, 3) +
+                                   ", errors in the data amplified at most " +
+                                   number(summary.largest_amplification, 3) + " times");
 }
 
 void print_fields(const FieldSet& fields) {

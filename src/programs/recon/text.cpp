@@ -56,6 +56,8 @@ std::string enumeration(std::span<const std::string> words) {
   return text;
 }
 
-std::string range(double lower, double upper) { return number(lower) + " .. " + number(upper); }
+std::string range(double lower, double upper) {
+  return number(lower) + " .. " + number(upper);
+}
 
 }  // namespace recon::program

@@ -1,0 +1,234 @@
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "run_program.hpp"
+
+namespace recon::test {
+namespace {
+
+using testing::HasSubstr;
+
+class MapTest : public ProgramTest {
+ protected:
+  static double linear(double x, double y, double z) { return 1 + 2 * x - 3 * y + 0.5 * z; }
+
+  // Particles at random in the unit square or cube, with u = linear(x, y, z).
+  void write_cloud(const std::string& name, int particles, bool flat) const {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> uniform;
+    std::ostringstream text;
+    text.precision(17);
+    text << "id,x,y,z,u,vx,vy,vz,mass\n";
+    for (int i = 0; i < particles; ++i) {
+      const double x = uniform(random), y = uniform(random), z = flat ? 0.25 : uniform(random);
+      text << i + 1 << ',' << x << ',' << y << ',' << z << ',' << linear(x, y, z) << ",3,4,"
+           << (flat ? 0 : 12) << ",0.5\n";
+    }
+    write(name, text.str());
+  }
+
+  // A periodic lattice in [0,1)^2 with field and masses; a LAMMPS dump with periodic x and y.
+  void write_periodic(const std::string& name, int side) const {
+    std::ostringstream text;
+    text.precision(17);
+    text << "ITEM: TIMESTEP\n5\nITEM: NUMBER OF ATOMS\n" << side * side
+         << "\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n-0.5 0.5\nITEM: ATOMS id x y z mass u radius\n";
+    for (int i = 0; i < side * side; ++i) {
+      const double x = (i % side + 0.37) / side, y = (i / side + 0.11) / side;
+      text << i + 1 << ' ' << x << ' ' << y << " 0 " << 1 + 0.5 * (i % 3) << ' '
+           << std::sin(2 * std::numbers::pi * x) << " 0.01\n";
+    }
+    write(name, text.str());
+  }
+};
+
+TEST_F(MapTest, ReproducesALinearField) {
+  write_cloud("cloud.csv", 800, false);
+  succeed("map cloud.csv --fields u --spacing 0.2 --radius 0.35 --out grid.csv");
+  EXPECT_EQ(first_line("grid.csv"), "x,y,z,u,neighbours,rank,degree,status");
+  const ParticleTable grid = table("grid.csv");
+  ASSERT_EQ(grid.size(), 216u);
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    ASSERT_EQ(grid.column("degree")[i], 1) << grid.describe_row(i);
+    EXPECT_NEAR(grid.column("u")[i],
+                linear(grid.column("x")[i], grid.column("y")[i], grid.column("z")[i]), 1e-10);
+  }
+  EXPECT_THAT(read("grid.csv"), HasSubstr(",4,1,full\n"));
+}
+
+TEST_F(MapTest, AllMethodsOfDegreeOneReproduceIt) {
+  write_cloud("cloud.csv", 300, true);
+  for (const char* method : {"mls", "imls", "qr", "svd"}) {
+    succeed(std::string("map cloud.csv --fields u --spacing 0.25 --k 12 --out m.csv --method ") + method);
+    const ParticleTable grid = table("m.csv");
+    for (std::size_t i = 0; i < grid.size(); ++i)
+      EXPECT_NEAR(grid.column("u")[i], linear(grid.column("x")[i], grid.column("y")[i], 0.25), 1e-10)
+          << method;
+  }
+}
+
+TEST_F(MapTest, ConstantZMeansTwoDimensions) {
+  write_cloud("flat.csv", 200, true);
+  EXPECT_THAT(succeed("map flat.csv --fields u --spacing 0.25 --out a.csv"), HasSubstr("in 2-D"));
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status");
+  EXPECT_THAT(succeed("map flat.csv --fields u --spacing 0.25 --dimension 3 --out b.csv"),
+              HasSubstr("in 3-D"));
+  EXPECT_EQ(first_line("b.csv"), "x,y,z,u,neighbours,rank,degree,status");
+  EXPECT_THAT(read("b.csv"), HasSubstr("reduced"));  // nothing is known across the plane
+}
+
+TEST_F(MapTest, GradientsOfALinearField) {
+  write_cloud("cloud.csv", 300, true);
+  succeed("map cloud.csv --fields u --spacing 0.25 --radius 0.3 --gradient --out g.csv");
+  EXPECT_EQ(first_line("g.csv"), "x,y,u,du_dx,du_dy,neighbours,rank,degree,status");
+  const ParticleTable grid = table("g.csv");
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    EXPECT_NEAR(grid.column("du_dx")[i], 2, 1e-9);
+    EXPECT_NEAR(grid.column("du_dy")[i], -3, 1e-9);
+  }
+}
+
+TEST_F(MapTest, TargetsOfAFile) {
+  write_cloud("cloud.csv", 300, true);
+  write("points.csv", "name,x,y\na,0.5,0.5\nb,0.25,0.75\n");
+  succeed("map cloud.csv --fields u --radius 0.3 --targets points.csv --out at.csv --out at.vtp");
+  const ParticleTable at = table("at.csv");
+  ASSERT_EQ(at.size(), 2u);
+  EXPECT_NEAR(at.column("u")[0], linear(0.5, 0.5, 0.25), 1e-10);
+  EXPECT_NEAR(at.column("u")[1], linear(0.25, 0.75, 0.25), 1e-10);
+  EXPECT_THAT(read("at.vtp"), HasSubstr("PolyData"));
+}
+
+TEST_F(MapTest, VtkHasTheFieldsAndTheReports) {
+  write_cloud("cloud.csv", 200, true);
+  succeed("map cloud.csv --fields u,speed --components v=vx,vy --spacing 0.25 --out a.vti");
+  const std::string vti = read("a.vti");
+  for (const char* name : {"u", "speed", "v", "neighbours", "rank", "degree", "status", "rcond"})
+    EXPECT_THAT(vti, HasSubstr("Name=\"" + std::string(name) + "\"")) << name;
+}
+
+TEST_F(MapTest, DerivedVelocityAndSpeed) {
+  write_cloud("cloud.csv", 400, false);
+  succeed("map cloud.csv --fields velocity,speed --spacing 0.5 --radius 0.5 --out a.csv");
+  EXPECT_EQ(first_line("a.csv"),
+            "x,y,z,velocity_x,velocity_y,velocity_z,speed,neighbours,rank,degree,status");
+  const ParticleTable grid = table("a.csv");
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    EXPECT_NEAR(grid.column("velocity_y")[i], 4, 1e-12);
+    EXPECT_NEAR(grid.column("speed")[i], 13, 1e-12);
+  }
+}
+
+TEST_F(MapTest, AllIsEveryColumnButLabelsAndCoordinates) {
+  write_cloud("cloud.csv", 200, true);
+  succeed("map cloud.csv --fields all --spacing 0.5 --out a.csv");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,vx,vy,vz,mass,neighbours,rank,degree,status");
+}
+
+// The same at the nodes on either side of the seam as on a shifted copy's interior.
+TEST_F(MapTest, PeriodicSeam) {
+  write_periodic("wave.dump", 16);
+  EXPECT_THAT(succeed("map wave.dump --fields u --spacing 0.125 --radius 0.15 --out on.csv"),
+              HasSubstr("periodic in x and y"));
+  succeed("map wave.dump --fields u --spacing 0.125 --radius 0.15 --periodic none --out off.csv");
+  const ParticleTable on = table("on.csv"), off = table("off.csv");
+  EXPECT_EQ(on.size(), 64u);
+  EXPECT_GE(off.size(), 81u);
+  // A lattice that is periodic has the same number of neighbours everywhere along y.
+  for (std::size_t i = 0; i < on.size(); ++i)
+    EXPECT_EQ(on.column("neighbours")[i], on.column("neighbours")[i % 8]) << i;
+  for (std::size_t i = 0; i < on.size(); ++i)
+    EXPECT_NEAR(on.column("u")[i], std::sin(2 * std::numbers::pi * on.column("x")[i]), 0.1);
+}
+
+// The cubic B-spline as a tensor product with support 2 h sums to one over a grid of spacing h: the
+// masses at the nodes add up to the mass of the particles, to rounding.
+TEST_F(MapTest, DensityKeepsTheMass) {
+  write_periodic("wave.dump", 16);
+  succeed("map wave.dump --fields density,number_density,solid_fraction --form tensor "
+          "--spacing 0.125 --radius 0.25 --out d.csv");
+  const ParticleTable grid = table("d.csv"), particles = table("wave.dump");
+  double mass = 0, expected = 0, number = 0, solid = 0;
+  for (const double density : grid.column("density")) mass += density * 0.125 * 0.125;
+  for (const double density : grid.column("number_density")) number += density * 0.125 * 0.125;
+  for (const double part : grid.column("solid_fraction")) solid += part * 0.125 * 0.125;
+  for (const double m : particles.column("mass")) expected += m;
+  EXPECT_NEAR(mass, expected, 1e-11 * expected);
+  EXPECT_NEAR(number, 256, 1e-9);
+  EXPECT_NEAR(solid, 256 * std::numbers::pi * 1e-4, 1e-12);
+}
+
+// With a radial weight the sum over a grid that is fine beside the support comes close.
+TEST_F(MapTest, RadialDensityKeepsTheMassNearly) {
+  write_cloud("cloud.csv", 200, false);
+  succeed("map cloud.csv --fields density --spacing 0.1 --radius 0.4 --bounds "
+          "-0.5,1.5,-0.5,1.5,-0.5,1.5 --out d.csv --unsupported nearest");
+  double mass = 0;
+  for (const double density : table("d.csv").column("density")) mass += density * 1e-3;
+  EXPECT_NEAR(mass, 100, 0.01);
+}
+
+// The nearest particles alone do not fill the support they define.
+TEST_F(MapTest, DensityWithNearestNeighbours) {
+  write_periodic("wave.dump", 16);
+  succeed("map wave.dump --fields number_density --k 9 --spacing 0.125 --out d.csv");
+  for (const double density : table("d.csv").column("number_density")) EXPECT_NEAR(density, 256, 16);
+}
+
+TEST_F(MapTest, FramesFromBothEnds) {
+  EXPECT_THAT(succeed("map \"$CHUTE\" --frame 0 --fields vx --out a.csv"), HasSubstr("step 25000"));
+  EXPECT_THAT(succeed("map \"$CHUTE\" --frame -6 --fields vx --out b.csv"), HasSubstr("step 25000"));
+  EXPECT_THAT(succeed("map \"$CHUTE\" --fields vx --out c.csv"), HasSubstr("step 50000"));
+  EXPECT_EQ(read("a.csv"), read("b.csv"));
+  EXPECT_NE(read("a.csv"), read("c.csv"));
+}
+
+TEST_F(MapTest, WithoutSupport) {
+  write("two.csv", "x,y,u\n0,0,1\n10,0,2\n");
+  const std::string map = "map two.csv --fields u --spacing 5 --radius 1 --out a.csv --unsupported ";
+  succeed(map + "nan");
+  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,nan,0,0,-1,no_support\n"));
+  succeed(map + "-1");
+  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,-1,0,0,-1,no_support\n"));
+  succeed(map + "nearest");
+  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,1,0,"));
+  EXPECT_THAT(read("a.csv"), HasSubstr(",nearest\n"));
+}
+
+TEST_F(MapTest, GrowingSupportsReachTheDegree) {
+  write_cloud("cloud.csv", 200, true);
+  const std::string map = "map cloud.csv --fields u --spacing 0.1 --radius 0.06 --out a.csv";
+  succeed(map);
+  EXPECT_THAT(read("a.csv"), HasSubstr("reduced"));
+  succeed(map + " --grow 12");
+  EXPECT_THAT(read("a.csv"), testing::Not(HasSubstr("reduced")));
+}
+
+TEST_F(MapTest, ThreadsDoNotMatter) {
+  succeed("map \"$CHUTE\" --fields vx,solid_fraction --threads 1 --out a.csv");
+  succeed("map \"$CHUTE\" --fields vx,solid_fraction --threads 3 --out b.csv");
+  EXPECT_EQ(read("a.csv"), read("b.csv"));
+}
+
+TEST_F(MapTest, QuietSaysNothing) {
+  EXPECT_EQ(succeed("map \"$CHUTE\" --fields vx --out a.csv --quiet"), "");
+}
+
+TEST_F(MapTest, ReplacesAnOlderOutput) {
+  write("a.csv", "old");
+  write_cloud("cloud.csv", 100, true);
+  succeed("map cloud.csv --fields u --out a.csv");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status");
+  EXPECT_EQ(files(), (std::vector<std::string>{"a.csv", "cloud.csv"}));
+}
+
+TEST_F(MapTest, PictureIsAPng) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  succeed("map \"$CHUTE\" --fields velocity --slice z=3 --show velocity,degree --picture a.png");
+  EXPECT_EQ(read("a.png").substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_GT(read("a.png").size(), 2000u);
+}
+
+}  // namespace
+}  // namespace recon::test
