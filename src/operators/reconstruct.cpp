@@ -46,6 +46,11 @@ PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name,
   return PointCloud<Scalar>(view, name, domain);
 }
 
+NeighbourOptions search_options(const Options& options) {
+  const auto shape = options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
+  return {shape, options.search, options.visible, options.threads};
+}
+
 // The default rule: twice as many neighbours as terms, plus one.
 NeighbourRule resolved(const NeighbourRule& rule, int dimension, int degree) {
   const Nearest* nearest = std::get_if<Nearest>(&rule);
@@ -248,23 +253,9 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
   const NeighbourRule rule = resolved(options.neighbours, points.dimension(), options.degree);
   if (const auto* nearest = std::get_if<Nearest>(&rule))
     problem->support_factor = static_cast<Scalar>(nearest->factor);
-  const NeighbourOptions search{
-      options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube, options.search,
-      options.visible, options.threads};
-  problem->neighbours =
-      find_neighbours(problem->particles, problem->targets, rule, problem->domain, search);
-
-  std::vector<Scalar> values;
-  std::vector<FitReport> reports;
-  problem->fit(problem->targets, problem->neighbours, values, reports);
-  if (options.grow.steps > 0 && problem->grow(options, rule, search, reports))
-    problem->fit(problem->targets, problem->neighbours, values, reports);
-  if (options.unsupported == Unsupported::nearest) problem->use_nearest(search, values, reports);
-  problem->make_pattern(reports);
-  reports_ = FitReports(std::move(reports), options.solver);
-  values_ =
-      CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
-  problem_ = std::move(problem);
+  problem->neighbours = find_neighbours(problem->particles, problem->targets, rule, problem->domain,
+                                        search_options(options));
+  fit(std::move(problem), options, &rule);
 }
 
 template <class Scalar>
@@ -277,15 +268,19 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
   require(!problem->domain.any() || neighbours.indices.empty() || !neighbours.shifts.empty(),
           "neighbours", "without shifts", "must have shifts in a periodic domain");
   problem->neighbours = std::move(neighbours);
+  fit(std::move(problem), options, nullptr);
+}
 
+template <class Scalar>
+void BasicReconstruction<Scalar>::fit(std::shared_ptr<Problem> problem, const Options& options,
+                                      const NeighbourRule* rule) {
   std::vector<Scalar> values;
   std::vector<FitReport> reports;
+  const NeighbourOptions search = search_options(options);
   problem->fit(problem->targets, problem->neighbours, values, reports);
-  if (options.unsupported == Unsupported::nearest) {
-    const NeighbourOptions search{SupportShape::ball, options.search, options.visible,
-                                  options.threads};
-    problem->use_nearest(search, values, reports);
-  }
+  if (rule && options.grow.steps > 0 && problem->grow(options, *rule, search, reports))
+    problem->fit(problem->targets, problem->neighbours, values, reports);
+  if (options.unsupported == Unsupported::nearest) problem->use_nearest(search, values, reports);
   problem->make_pattern(reports);
   reports_ = FitReports(std::move(reports), options.solver);
   values_ =

@@ -77,6 +77,8 @@ class BasicReconstruction {
 
  private:
   struct Problem;
+  // Fits the problem's neighbours; a rule lets supports grow, a list of the caller's (null) does not.
+  void fit(std::shared_ptr<Problem> problem, const Options& options, const NeighbourRule* rule);
   CsrOperator<Scalar> derivative(bool second, Derivative kind) const;
 
   std::shared_ptr<const Problem> problem_;
