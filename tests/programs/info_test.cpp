@@ -18,9 +18,9 @@ TEST_F(InfoTest, TellsWhatADumpHolds) {
 
 TEST_F(InfoTest, SuggestsACommandThatWorks) {
   const std::string out = succeed("info \"$CHUTE\"");
-  const std::size_t at = out.find("recon map ");
+  const std::size_t at = out.find("\n  recon map ");
   ASSERT_NE(at, std::string::npos) << out;
-  succeed(out.substr(at + 6, out.find('\n', at) - at - 6));
+  succeed(out.substr(at + 9, out.find('\n', at + 1) - at - 9));
   EXPECT_TRUE(exists("fields.vti"));
 }
 

@@ -1,4 +1,5 @@
-// What a user can get wrong: each mistake has its exit code and a message that helps, and leaves no file.
+// What a user can get wrong: each mistake has its exit code and a message that helps, and leaves no
+// file.
 #include "run_program.hpp"
 
 namespace recon::test {
@@ -14,19 +15,25 @@ class MistakesTest : public ProgramTest {
 
 TEST_F(MistakesTest, MisspeltNames) {
   expect_failure("mapp grains.csv", 1, HasSubstr("did you mean 'map'?"));
-  expect_failure("map grains.csv --feilds vx --out a.csv", 1, HasSubstr("did you mean '--fields'?"));
-  expect_failure("map --feilds=vx grains.csv --out a.csv", 1, HasSubstr("did you mean '--fields'?"));
-  expect_failure("map grains.csv --fields vxx --out a.csv", 1, HasSubstr("unknown field 'vxx'; did you mean 'vx'"));
+  expect_failure("map grains.csv --feilds vx --out a.csv", 1,
+                 HasSubstr("did you mean '--fields'?"));
+  expect_failure("map --feilds=vx grains.csv --out a.csv", 1,
+                 HasSubstr("did you mean '--fields'?"));
+  expect_failure("map grains.csv --fields vxx --out a.csv", 1,
+                 HasSubstr("unknown field 'vxx'; did you mean 'vx'"));
   expect_failure("map grains.csv --fields sped --out a.csv", 1, HasSubstr("'speed'"));
-  expect_failure("map grains.csv --fields vx --method imsl --out a.csv", 1, HasSubstr("did you mean 'imls'?"));
-  expect_failure("map grains.csv --fields vx --weight cubc --out a.csv", 1, HasSubstr("did you mean 'cubic'?"));
+  expect_failure("map grains.csv --fields vx --method imsl --out a.csv", 1,
+                 HasSubstr("did you mean 'imls'?"));
+  expect_failure("map grains.csv --fields vx --weight cubc --out a.csv", 1,
+                 HasSubstr("did you mean 'cubic'?"));
   expect_failure("map grain.csv --fields vx --out a.csv", 2, HasSubstr("grains.csv"));
   expect_failure("grains.csv", 1, HasSubstr("recon info grains.csv"));
 }
 
 TEST_F(MistakesTest, Values) {
   const std::string map = "map grains.csv --fields vx --out a.csv ";
-  expect_failure(map + "--radius -1", 1, HasSubstr("--radius: a number above 0 is needed, not '-1'"));
+  expect_failure(map + "--radius -1", 1,
+                 HasSubstr("--radius: a number above 0 is needed, not '-1'"));
   expect_failure(map + "--radius wide", 1, HasSubstr("'wide'"));
   expect_failure(map + "--k 0", 1, HasSubstr("1 or more"));
   expect_failure(map + "--k 5", 1, HasSubstr("4 particles only"));
@@ -44,18 +51,31 @@ TEST_F(MistakesTest, Values) {
   expect_failure("map grains.csv --fields vx,vx --out a.csv", 1, HasSubstr("twice"));
   expect_failure("map grains.csv --fields vx", 1, HasSubstr("--out"));
   expect_failure("map grains.csv --out a.csv", 1, HasSubstr("--fields"));
+  expect_failure(map + "--radius 1 --radius 2", 1, HasSubstr("--radius can be given only once"));
+  expect_failure(map + "--radius", 1, HasSubstr("--radius needs a value"));
   expect_failure("map", 1, HasSubstr("FILE"));
+}
+
+// 3.6e9 nodes want some 600 GB.
+TEST_F(MistakesTest, MoreMemoryThanThereIs) {
+  const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * 4096;
+  if (bytes > 300e9) GTEST_SKIP() << "this machine might have the memory";
+  expect_failure("map grains.csv --fields vx --out a.csv --spacing 5e-5 --bounds 0,3,0,3", 1,
+                 HasSubstr("GB"));
 }
 
 TEST_F(MistakesTest, Inputs) {
   write("broken.csv", "x,y,u\n0,0,1\n1,zero,2\n");
-  expect_failure("map broken.csv --fields u --out a.csv", 2, AllOf(HasSubstr("broken.csv:3:"), HasSubstr("zero")));
+  expect_failure("map broken.csv --fields u --out a.csv", 2,
+                 AllOf(HasSubstr("broken.csv:3:"), HasSubstr("zero")));
   write("short.csv", "x,y,u\n0,0,1\n1,0\n");
   expect_failure("map short.csv --fields u --out a.csv", 2, HasSubstr("short.csv:3:"));
   write("nan.csv", "id,x,y,u\n11,0,0,1\n12,1,0,nan\n13,0,1,1\n");
-  expect_failure("map nan.csv --fields u --out a.csv", 2, AllOf(HasSubstr("column u"), HasSubstr("id 12")));
+  expect_failure("map nan.csv --fields u --out a.csv", 2,
+                 AllOf(HasSubstr("column u"), HasSubstr("id 12")));
   write("nowhere.csv", "id,x,y,u\n11,0,0,1\n12,nan,0,1\n13,0,1,1\n");
-  expect_failure("map nowhere.csv --fields u --out a.csv", 2, AllOf(HasSubstr("column x"), HasSubstr("id 12")));
+  expect_failure("map nowhere.csv --fields u --out a.csv", 2,
+                 AllOf(HasSubstr("column x"), HasSubstr("id 12")));
   expect_failure("map \"$CHUTE\" --frame 6 --fields vx --out a.csv", 2, HasSubstr("6 frames"));
   write("flat.csv", "x\n1\n");
   expect_failure("map grains.csv --fields vx --targets flat.csv --out a.csv", 2, HasSubstr("2-D"));

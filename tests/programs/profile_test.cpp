@@ -12,8 +12,9 @@ TEST_F(ProfileTest, LinearProfile) {
   for (int i = 0; i < 512; ++i)
     text << i % 8 << ' ' << i / 8 % 8 << ' ' << i / 64 << ' ' << 2 * (i / 64) + 1 << '\n';
   write("lattice.txt", text.str());
-  succeed("profile lattice.txt --fields u --methods shepard,imls,imls:2 --radius 2.2 --range 0,7 "
-          "--spacing 0.5 --across 1 --out p.csv");
+  succeed(
+      "profile lattice.txt --fields u --methods shepard,imls,imls:2 --radius 2.2 --range 0,7 "
+      "--spacing 0.5 --across 1 --out p.csv");
   EXPECT_EQ(first_line("p.csv"),
             "z,u_shepard,u_imls,u_imls_2,supported,full_shepard,full_imls,full_imls_2");
   const ParticleTable profile = read_particles(folder() / "p.csv");
@@ -25,8 +26,9 @@ TEST_F(ProfileTest, LinearProfile) {
 }
 
 TEST_F(ProfileTest, ChuteSlipsLessThanShepardSays) {
-  succeed("profile \"$CHUTE\" --fields vx,solid_fraction --methods shepard,mls,imls --radius 2 "
-          "--range 0,9 --out p.csv");
+  succeed(
+      "profile \"$CHUTE\" --fields vx,solid_fraction --methods shepard,mls,imls --radius 2 "
+      "--range 0,9 --out p.csv");
   const ParticleTable p = read_particles(folder() / "p.csv");
   EXPECT_NEAR(p.column("vx_shepard")[0], 2.89, 0.02);
   EXPECT_NEAR(p.column("vx_imls")[0], 1.60, 0.02);
@@ -43,10 +45,13 @@ TEST_F(ProfileTest, PictureIsAPng) {
 
 TEST_F(ProfileTest, Mistakes) {
   using testing::HasSubstr;
-  expect_failure("profile \"$CHUTE\" --fields vx --axis w --out p.csv", 1, HasSubstr("'x', 'y' or 'z'"));
-  expect_failure("profile \"$CHUTE\" --fields vx --methods imls,imls --out p.csv", 1, HasSubstr("twice"));
+  expect_failure("profile \"$CHUTE\" --fields vx --axis w --out p.csv", 1,
+                 HasSubstr("'x', 'y' or 'z'"));
+  expect_failure("profile \"$CHUTE\" --fields vx --methods imls,imls --out p.csv", 1,
+                 HasSubstr("twice"));
   expect_failure("profile \"$CHUTE\" --fields vx --out p.vti", 1, HasSubstr(".csv"));
-  expect_failure("profile \"$CHUTE\" --fields vx --range 5,1 --out p.csv", 1, HasSubstr("--range 5,1"));
+  expect_failure("profile \"$CHUTE\" --fields vx --range 5,1 --out p.csv", 1,
+                 HasSubstr("--range 5,1"));
 }
 
 }  // namespace

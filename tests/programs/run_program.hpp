@@ -1,4 +1,5 @@
-// Runs the built program in an empty folder of the test's own, and looks at what it says and leaves.
+// Runs the built program in an empty folder of the test's own, and looks at what it says and
+// leaves.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -6,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

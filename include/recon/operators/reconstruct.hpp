@@ -72,12 +72,15 @@ class BasicReconstruction {
   CsrOperator<Scalar> hessian() const;
 
   const FitReports& report() const { return reports_; }
+  // Who was near each target, and its support. A target whose status is `nearest` has the nearest
+  // particle and a support that reaches it, not the one asked for.
   const NeighbourList<Scalar>& neighbours() const;
   int dimension() const;
 
  private:
   struct Problem;
-  // Fits the problem's neighbours; a rule lets supports grow, a list of the caller's (null) does not.
+  // Fits the problem's neighbours; a rule lets supports grow, a list of the caller's (null) does
+  // not.
   void fit(std::shared_ptr<Problem> problem, const Options& options, const NeighbourRule* rule);
   CsrOperator<Scalar> derivative(bool second, Derivative kind) const;
 

@@ -37,6 +37,15 @@ inline Check whole_number(std::optional<int> least) {
   };
 }
 
+// One of a few numbers, in words: "from 0 to 4".
+inline Check digit(char least, char greatest) {
+  return [least, greatest](const std::string& text) -> std::string {
+    if (text.size() == 1 && text[0] >= least && text[0] <= greatest) return "";
+    return "a whole number from " + std::string(1, least) + " to " + greatest +
+           " is needed, not '" + text + "'";
+  };
+}
+
 inline Check one_of(std::vector<std::string> words) {
   return [words](const std::string& text) -> std::string {
     for (const std::string& word : words)

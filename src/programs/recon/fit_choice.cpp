@@ -42,7 +42,7 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
   app.add_option("--degree", choice.degree,
                  "polynomials up to this degree are reproduced: 0 to 4\n(default 1)")
       ->type_name("P")
-      ->check(one_of({"0", "1", "2", "3", "4"}))
+      ->check(digit('0', '4'))
       ->group(group);
   app.add_option("--radius", choice.radius,
                  "support radius, a length (default: 2 mean spacings of the\n"
@@ -102,8 +102,8 @@ Method read_method(const std::string& text, const FitChoice& choice) {
   method.degree = choice.degree.value_or(1);
   if (colon != std::string::npos) {
     const std::string degree = text.substr(colon + 1);
-    if (!one_of({"0", "1", "2", "3", "4"})(degree).empty())
-      fail_usage("method " + text + ": '" + degree + "' is not a degree from 0 to 4");
+    if (const std::string wrong = digit('0', '4')(degree); !wrong.empty())
+      fail_usage("method " + text + ": " + wrong);
     method.degree = degree[0] - '0';
   } else if (method.name == "shepard") {
     method.degree = choice.degree.value_or(0);

@@ -83,6 +83,11 @@ void print_columns(const Particles& particles) {
   print_line("derived", enumeration(derived) + " (recon map computes them when asked)");
 }
 
+// As a shell takes it.
+std::string quoted(const std::string& path) {
+  return path.find(' ') == std::string::npos ? path : "'" + path + "'";
+}
+
 void print_suggestion(const Particles& particles, const std::string& file) {
   if (!(particles.mean_spacing > 0)) {
     print_line("suggested", "nothing: all particles are at one place");
@@ -102,7 +107,7 @@ void print_suggestion(const Particles& particles, const std::string& file) {
   print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes), support radius " +
                               number(radius) + ":");
   std::printf("  recon map %s --fields %s --spacing %s --radius %s --out fields.vti\n",
-              file.c_str(), names.c_str(), number(spacing).c_str(), number(radius).c_str());
+              quoted(file).c_str(), names.c_str(), number(spacing).c_str(), number(radius).c_str());
 }
 
 void run(const InputOptions& options) {
@@ -121,8 +126,8 @@ void run(const InputOptions& options) {
 }  // namespace
 
 Command add_info(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand(
-      "info", "What is in a file: frames, particles, fields, and a grid that would suit");
+  CLI::App* sub =
+      app.add_subcommand("info", "What is in a file: frames, particles, fields; a suggested grid");
   const auto options = std::make_shared<InputOptions>();
   add_input_options(*sub, *options);
   sub->footer("Example:\n  recon info examples/data/chute.dump.gz");

@@ -134,6 +134,11 @@ int run(int argc, char** argv) {
         extra += (extra.empty() ? "'" : " '") + word + "'";
     fail_usage("too many arguments: " + extra +
                " (lists are written with commas and without blanks, as in vx,vy,vz)");
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string what = error.what();
+    const bool missing = what.find("missing") != std::string::npos;
+    fail_usage(what.substr(0, what.find(':')) +
+               (missing ? " needs a value" : " can be given only once"));
   } catch (const CLI::ParseError& error) {
     fail_usage(error.what());
   }

@@ -1,4 +1,7 @@
 // recon map FILE: fields at the nodes of a grid, or at points of one's own.
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -37,10 +40,27 @@ struct Targets {
   std::string description;
 };
 
-void choose_grid(const MapOptions& options, const Particles& particles, Targets& targets) {
+// The results are kept until they are written: better to say so than to be ended by the system.
+void check_memory(const StructuredGrid<double>& grid, const FieldPlan& plan, bool gradient) {
+  double numbers = 2 * grid.dimension + 14;  // coordinates, reports
+  for (const PlannedField& field : plan)
+    numbers += 3 * std::max(1.0, static_cast<double>(field.columns.size())) *
+               (gradient && !field.is_kernel_sum() ? 1 + grid.dimension : 1);
+  const double needed = numbers * sizeof(double) * static_cast<double>(grid.size());
+  const double there =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (needed > there)
+    fail_usage("a grid of " + counted(grid.size(), "node") + " needs about " +
+               number(needed / 1e9, 2) + " GB of memory, this machine has " +
+               number(there / 1e9, 2) + " GB; a larger --spacing or narrower --bounds needs less");
+}
+
+void choose_grid(const MapOptions& options, const Particles& particles, const FieldPlan& plan,
+                 Targets& targets) {
   const double spacing = options.spacing ? *options.spacing : suggested_spacing(particles);
   targets.grid = with_exit_code(
       wrong_usage, [&] { return covering_grid(particles.region, spacing, particles.grid_domain); });
+  check_memory(targets.grid, plan, options.gradient);
   targets.nodes = targets.grid.nodes();
   targets.points = targets.nodes.view();
   std::string counts, spacings;
@@ -138,7 +158,7 @@ void run(const MapOptions& options) {
   const Options fit = fit_options(options.fit, method, particles);
   Targets targets;
   if (options.targets == "grid")
-    choose_grid(options, particles, targets);
+    choose_grid(options, particles, plan, targets);
   else
     read_targets(options, particles, targets);
   Cut cut;
@@ -194,6 +214,7 @@ void add_field_options(CLI::App& app, MapOptions& options) {
                  "free surfaces they fall off over a support radius and are\n"
                  "not corrected for the empty part of the support")
       ->type_name("NAMES")
+      ->join(',')
       ->group(group);
   app.add_option("--components", options.components,
                  "columns as one field of several components, as in\n"

@@ -127,8 +127,11 @@ class Mapper {
     }
     for (std::size_t f = 0; f < plan_.size(); ++f) {
       if (!plan_[f].is_kernel_sum()) continue;
-      const std::vector<double> sums =
+      std::vector<double> sums =
           kernel_->at(targets, complete ? fit.neighbours() : found, plan_[f].amounts);
+      // The list of a target without support may hold the nearest particle, which is not in it.
+      for (std::size_t t = 0; t < sums.size(); ++t)
+        if (fit.report()[t].status == FitStatus::nearest) sums[t] = 0;
       sums_[f].insert(sums_[f].end(), sums.begin(), sums.end());
     }
   }

@@ -145,7 +145,7 @@ void add_input_options(CLI::App& app, InputOptions& options) {
                  "2 or 3 (or 1), if not as detected: a z that is the same for\n"
                  "all particles means 2-D; 2 leaves z out of account")
       ->type_name("D")
-      ->check(one_of({"1", "2", "3"}))
+      ->check(digit('1', '3'))
       ->group(group);
 }
 

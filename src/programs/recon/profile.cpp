@@ -257,6 +257,7 @@ void add_profile_options(CLI::App& app, ProfileOptions& options) {
                  "columns or derived fields, as in vx,solid_fraction; see\n"
                  "recon map --help")
       ->type_name("NAMES")
+      ->join(',')
       ->group("Fields");
   const std::string group = "Targets";
   app.add_option("--axis", options.axis, "the axis of the profile")
@@ -316,7 +317,7 @@ Command add_profile(CLI::App& app) {
   sub->footer(
       "Example:\n"
       "  recon profile examples/data/chute.dump.gz --fields vx --methods shepard,mls,imls \\\n"
-      "      --radius 2 --out profile.csv --picture profile.png");
+      "      --radius 2 --range 0,8 --out profile.csv --picture profile.png");
   return [options] { run(*options); };
 }
 

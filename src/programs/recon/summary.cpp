@@ -38,9 +38,9 @@ std::string describe_method(const Method& method, const FitChoice& choice) {
 
 void print_fit(const FitSummary& summary, const FitChoice& choice) {
   const auto share = [&](std::size_t part) {
-    return count(part) + " (" +
-           number(100.0 * static_cast<double>(part) / static_cast<double>(summary.targets), 3) +
-           " %)";
+    const double percent = 100.0 * static_cast<double>(part) / static_cast<double>(summary.targets);
+    const bool nearly_all = part < summary.targets && percent > 99.9;
+    return count(part) + " (" + (nearly_all ? "> 99.9" : number(percent, 3)) + " %)";
   };
   std::string text = "full degree at " + share(summary.full);
   if (summary.reduced > 0) text += ", reduced at " + share(summary.reduced);
