@@ -74,16 +74,22 @@ TYPED_TEST(Invariance, Translation) {
   const bool single = sizeof(Scalar) == 4;
   const double shift = single ? 128 : 1e6;
   for (auto cloud : hostile_clouds<Scalar, D>()) {
-    if (cloud.name == "clustered at 1e-6" || cloud.name == "almost flat")
-      continue;  // smaller than the unit below
+    // Fine structure needs a fine unit, which float does not have; on it a sphere is one up to
+    // rounding only.
+    // At 1e6 the rounding of a coordinate is 1e-4 of such a cluster: curvature across it is not
+    // resolved.
+    const int highest = cloud.name == "clustered at 1e-6" ? 1 : 3;
+    const bool fine = cloud.name == "clustered at 1e-6" || cloud.name == "almost flat";
+    if (fine && single) continue;
     auto targets = hostile_targets<Scalar, D>(cloud.points);
-    quantise<Scalar, D>(cloud.points, single ? 14 : 20);
-    quantise<Scalar, D>(targets, single ? 14 : 20);
+    const int bits = fine ? 33 : single ? 14 : 20;
+    quantise<Scalar, D>(cloud.points, bits);
+    quantise<Scalar, D>(targets, bits);
     auto moved = cloud.points, moved_targets = targets;
     for (auto* list : {&moved, &moved_targets})
       for (auto& x : *list)
         for (Scalar& c : x) c += static_cast<Scalar>(shift);
-    for (int degree = 0; degree <= 3; ++degree) {
+    for (int degree = 0; degree <= highest; ++degree) {
       expect_same(fit<Scalar, D>(cloud.points, targets, degree, 0.47),
                   fit<Scalar, D>(moved, moved_targets, degree, 0.47), 20 * TypeParam::eps,
                   cloud.name + ", degree " + std::to_string(degree),
