@@ -40,10 +40,7 @@ PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name,
     for (std::size_t i = 0; i < points.size(); ++i)
       axes[d][i] = static_cast<Scalar>(static_cast<double>(points(i, d)) / stretch[d]);
   }
-  const PointsView<Scalar> view(points.size(), points.dimension(),
-                                {axes[0].data(), axes[1].data(), axes[2].data()},
-                                {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)});
-  return PointCloud<Scalar>(view, name, domain);
+  return PointCloud<Scalar>(points_of_axes(axes, points.dimension()), name, domain);
 }
 
 NeighbourOptions search_options(const Options& options) {
@@ -81,10 +78,7 @@ PointCloud<Scalar> subset(const PointCloud<Scalar>& points,
   std::array<std::vector<Scalar>, max_dimension> axes;
   for (int d = 0; d < points.dimension(); ++d)
     for (const std::size_t i : chosen) axes[d].push_back(points(i, d));
-  return PointCloud<Scalar>(PointsView<Scalar>(chosen.size(), points.dimension(),
-                                               {axes[0].data(), axes[1].data(), axes[2].data()},
-                                               {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)}),
-                            "targets");
+  return PointCloud<Scalar>(points_of_axes(axes, points.dimension()), "targets");
 }
 
 // The list with the rows of `rows` (ascending targets) replaced by those of `other` that `take`

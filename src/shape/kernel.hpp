@@ -40,12 +40,8 @@ class Kernel final : public ShapeKernel<Scalar> {
 
       const int n = cloud.size;
       values.resize(static_cast<std::size_t>(n) * jet_size(D));
-      ShapeArrays<Scalar, D> out;
-      out.kind = rows.kind;
-      out.value = values.data();
-      for (int d = 0; d < D && rows.gradient; ++d) out.gradient[d] = values.data() + (1 + d) * n;
-      for (int i = 0; i < seconds && rows.hessian; ++i)
-        out.hessian[i] = values.data() + (1 + D + i) * n;
+      const auto out =
+          ShapeArrays<Scalar, D>::in(values.data(), n, rows.kind, rows.gradient, rows.hessian);
       solve.shape_functions(cloud, out);
 
       for (int p = 0; p < n; ++p) {

@@ -59,6 +59,17 @@ struct ShapeArrays {
   std::array<T*, D*(D + 1) / 2> hessian{};
   Derivative kind = Derivative::exact;
 
+  // Arrays of n side by side in `memory`, which has room for jet_size(D) of them.
+  static ShapeArrays in(T* memory, int n, Derivative kind, bool gradient, bool hessian) {
+    ShapeArrays out;
+    out.kind = kind;
+    out.value = memory;
+    for (int d = 0; d < D && gradient; ++d) out.gradient[d] = memory + (1 + d) * n;
+    for (std::size_t i = 0; i < out.hessian.size() && hessian; ++i)
+      out.hessian[i] = memory + (1 + D + static_cast<int>(i)) * n;
+    return out;
+  }
+
   bool wants_gradient() const { return gradient[0] != nullptr; }
   bool wants_hessian() const { return hessian[0] != nullptr; }
 };

@@ -38,12 +38,7 @@ class PointCloud {
     return x;
   }
 
-  PointsView<Scalar> view() const {
-    return {size(),
-            dimension_,
-            {axes_[0].data(), axes_[1].data(), axes_[2].data()},
-            {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)}};
-  }
+  PointsView<Scalar> view() const { return points_of_axes(axes_, dimension_); }
 
  private:
   int dimension_ = 1;

@@ -33,12 +33,7 @@ struct StructuredGrid {
    public:
     std::array<std::vector<Scalar>, max_dimension> axes;
     int dimension;
-    PointsView<Scalar> view() const {
-      return {axes[0].size(),
-              dimension,
-              {axes[0].data(), axes[1].data(), axes[2].data()},
-              {sizeof(Scalar), sizeof(Scalar), sizeof(Scalar)}};
-    }
+    PointsView<Scalar> view() const { return points_of_axes(axes, dimension); }
   };
   Nodes nodes() const;
 

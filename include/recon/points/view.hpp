@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <type_traits>
+#include <vector>
 
 #include "recon/core/error.hpp"
 
@@ -62,6 +63,18 @@ class PointsView {
   std::array<std::ptrdiff_t, max_dimension> stride_{};
   std::array<Reader, max_dimension> readers_{};
 };
+
+// Points whose coordinates lie in one contiguous array per axis; arrays beyond the dimension are
+// not read.
+template <class Scalar>
+PointsView<Scalar> points_of_axes(const std::array<std::vector<Scalar>, max_dimension>& axes,
+                                  int dimension) {
+  constexpr auto step = static_cast<std::ptrdiff_t>(sizeof(Scalar));
+  return {axes[0].size(),
+          dimension,
+          {axes[0].data(), axes[1].data(), axes[2].data()},
+          {step, step, step}};
+}
 
 // Values of `components` numbers at each of size() points; Scalar may be const (read) or not
 // (write).

@@ -12,8 +12,8 @@
 // for example long double. A minimal model of each stands in the documentation and compiles in the
 // tests.
 //
-// Formulas in local_solve/local_cloud.hpp. An evaluator keeps its arrays: one per thread, no
-// allocation once warm.
+// Formulas in local_solve/local_cloud.hpp. An evaluator keeps its arrays: one per thread; with
+// given neighbours nothing is allocated once warm.
 #pragma once
 
 #include <array>
@@ -73,7 +73,7 @@ class ShapeEvaluator {
     for (const ParticleIndex p : neighbours) positions_.push_back(position(p));
     for (int d = 0; d < D; ++d)
       stencil_.set_offsets(d, [&](int p) { return positions_[p][d] - x[d]; });
-    stencil_.weigh(weights_, form_, true);
+    stencil_.weigh(weights_, form_, kind == Derivative::exact);
 
     const LocalCloud<T, D> cloud = stencil_.cloud();
     shape_.neighbours.assign(neighbours.begin(), neighbours.end());
@@ -85,11 +85,7 @@ class ShapeEvaluator {
 
     const int n = cloud.size;
     arrays_.resize(static_cast<std::size_t>(n) * detail::jet_size(D));
-    ShapeArrays<T, D> out;
-    out.kind = kind;
-    out.value = arrays_.data();
-    for (int d = 0; d < D; ++d) out.gradient[d] = arrays_.data() + (1 + d) * n;
-    for (int i = 0; i < D * (D + 1) / 2; ++i) out.hessian[i] = arrays_.data() + (1 + D + i) * n;
+    const auto out = ShapeArrays<T, D>::in(arrays_.data(), n, kind, true, true);
     solve_.shape_functions(cloud, out);
     for (int p = 0; p < n; ++p) {
       const int at = stencil_.place(p);

@@ -20,13 +20,7 @@ struct Part {
     for (int d = 0; d < dimension; ++d)
       for (std::size_t t = begin; t < end; ++t) axes[d].push_back(targets(t, d));
   }
-  PointsView<double> view() const {
-    constexpr std::ptrdiff_t number = sizeof(double);
-    return {axes[0].size(),
-            dimension,
-            {axes[0].data(), axes[1].data(), axes[2].data()},
-            {number, number, number}};
-  }
+  PointsView<double> view() const { return points_of_axes(axes, dimension); }
 };
 
 // Targets that are done at once: enough that building the search costs little beside them.
