@@ -1,0 +1,45 @@
+// One number or several side by side: what a kernel needs to be written once for both.
+//
+// A kernel is a template over its value type T. T may be float, double or long double, or a pack of
+// them (core/pack.hpp), with one target in each lane. Arithmetic, comparisons and square roots are
+// the same for both; a comparison of packs gives a mask, so that a kernel must not branch on it but
+// select. Where it must know that all lanes agree, it asks any_lane or all_lanes.
+#pragma once
+
+namespace recon {
+
+template <class T>
+struct LaneTraits {
+  using Scalar = T;  // of one lane
+  using Mask = bool;
+  static constexpr int lanes = 1;
+};
+template <class T>
+using ScalarOf = typename LaneTraits<T>::Scalar;
+template <class T>
+using MaskOf = typename LaneTraits<T>::Mask;
+
+inline bool any_lane(bool mask) {
+  return mask;
+}
+inline bool all_lanes(bool mask) {
+  return mask;
+}
+
+// a where the mask holds, b elsewhere.
+template <class T>
+T select(bool mask, const T& a, const T& b) {
+  return mask ? a : b;
+}
+
+// The smaller and the larger of two; b where a is NaN.
+template <class T>
+T smaller(const T& a, const T& b) {
+  return select(a < b, a, b);
+}
+template <class T>
+T larger(const T& a, const T& b) {
+  return select(a > b, a, b);
+}
+
+}  // namespace recon

@@ -1,0 +1,40 @@
+// A pack: as many floats or doubles as fit a vector register, one target in each.
+//
+// std::experimental::simd of the standard library (Parallelism TS 2), with the native width of the
+// instruction set that the including file is compiled for.
+#pragma once
+
+#include <experimental/simd>
+
+#include "recon/core/lanes.hpp"
+
+namespace recon {
+
+template <class Scalar>
+using Pack = std::experimental::native_simd<Scalar>;
+
+template <class S, class Abi>
+struct LaneTraits<std::experimental::simd<S, Abi>> {
+  using Scalar = S;
+  using Mask = std::experimental::simd_mask<S, Abi>;
+  static constexpr int lanes = static_cast<int>(std::experimental::simd<S, Abi>::size());
+};
+
+template <class S, class Abi>
+bool any_lane(const std::experimental::simd_mask<S, Abi>& mask) {
+  return std::experimental::any_of(mask);
+}
+template <class S, class Abi>
+bool all_lanes(const std::experimental::simd_mask<S, Abi>& mask) {
+  return std::experimental::all_of(mask);
+}
+
+template <class S, class Abi>
+std::experimental::simd<S, Abi> select(const std::experimental::simd_mask<S, Abi>& mask,
+                                       const std::experimental::simd<S, Abi>& a,
+                                       std::experimental::simd<S, Abi> b) {
+  std::experimental::where(mask, b) = a;
+  return b;
+}
+
+}  // namespace recon
