@@ -4,8 +4,8 @@
 // the name of the set. What they define stands in the namespace recon::RECON_SET:
 //
 //   // sum.hpp                                        // sum.simd.cpp
-//   RECON_FOR_EACH_SET(float sum(const float*, int))  namespace recon::RECON_SET { float sum(...) {...} }
-//   RECON_DISPATCH(set, sum)(x, n);                   // set: resolved(InstructionSet)
+//   RECON_FOR_EACH_SET(float sum(const float*, int))  namespace recon::RECON_SET { float sum(...)
+//   {...} } RECON_DISPATCH(set, sum)(x, n);                   // set: resolved(InstructionSet)
 //
 // A template or inline function of ordinary types that such a file instantiates is a danger: the
 // linker keeps one copy for the whole program, perhaps the one with instructions that the processor
@@ -26,7 +26,7 @@
   namespace avx512 {            \
   __VA_ARGS__;                  \
   }
-#define RECON_DISPATCH(set, ...)                            \
+#define RECON_DISPATCH(set, ...)                                   \
   ((set) == ::recon::InstructionSet::avx512 ? &avx512::__VA_ARGS__ \
    : (set) == ::recon::InstructionSet::avx2 ? &avx2::__VA_ARGS__   \
                                             : &generic::__VA_ARGS__)
