@@ -14,6 +14,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 
 namespace recon {
 
@@ -24,6 +26,16 @@ constexpr int term_count(int dimension, int degree) {
   long count = 1;
   for (int i = 1; i <= dimension; ++i) count = count * (degree + i) / i;
   return static_cast<int>(count);
+}
+
+// body(std::integral_constant<int, i>) for i = 0 .. N - 1, written out: what the tables say is then
+// known where the code is compiled.
+template <int N, class Body>
+constexpr void unroll(Body&& body) {
+  [&]<int... i>(std::integer_sequence<int, i...>) {
+    (body(std::integral_constant<int, i>{}), ...);
+  }
+  (std::make_integer_sequence<int, N>{});
 }
 
 }  // namespace detail
@@ -80,11 +92,14 @@ struct Monomials {
     return left <= R ? place : -1;
   }
 
-  // values[j] = xi^exponents[j] for all terms, each one product from an earlier term.
+  // values[j] = factor * xi^exponents[j] for all terms, each one product from an earlier term.
   template <class T>
-  static constexpr void evaluate(const std::array<T, D>& xi, T* values) {
-    values[0] = T(1);
-    for (int j = 1; j < size; ++j) values[j] = values[steps[j].parent] * xi[steps[j].axis];
+  static constexpr void evaluate(const std::array<T, D>& xi, T* values, const T& factor = T(1)) {
+    values[0] = factor;
+    detail::unroll<size - 1>([&](auto i) {
+      constexpr Step step = steps[i + 1];
+      values[i + 1] = values[step.parent] * xi[step.axis];
+    });
   }
 
   // Taylor coefficient number a (numbered as the terms of degree <= 2 are) of term j at xi = 0.
@@ -106,6 +121,15 @@ struct Monomials {
     return all;
   }();
 };
+
+namespace detail {
+
+template <class B>
+inline constexpr bool is_monomials = false;
+template <int D, int R>
+inline constexpr bool is_monomials<Monomials<D, R>> = true;
+
+}  // namespace detail
 
 // A basis of your own. Terms come in blocks of rising degree (begin), the first block being the
 // constant 1 alone; evaluate() gives all terms at xi; origin() their Taylor coefficients at xi = 0

@@ -28,17 +28,17 @@ inline bool all_lanes(bool mask) {
 
 // a where the mask holds, b elsewhere.
 template <class T>
-T select(bool mask, const T& a, const T& b) {
+constexpr T select(bool mask, const T& a, const T& b) {
   return mask ? a : b;
 }
 
 // The smaller and the larger of two; b where a is NaN.
 template <class T>
-T smaller(const T& a, const T& b) {
+constexpr T smaller(const T& a, const T& b) {
   return select(a < b, a, b);
 }
 template <class T>
-T larger(const T& a, const T& b) {
+constexpr T larger(const T& a, const T& b) {
   return select(a > b, a, b);
 }
 

@@ -30,21 +30,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/local_solve/orthonormal_fit.hpp"
+#include "recon/local_solve/regular_gram_schmidt.hpp"
 
 namespace recon {
 
 namespace detail {
-
-template <class B>
-inline constexpr bool is_monomials = false;
-template <int D, int R>
-inline constexpr bool is_monomials<Monomials<D, R>> = true;
 
 constexpr double factorial_of(int n) {
   return n < 2 ? 1.0 : n * factorial_of(n - 1);
@@ -70,28 +65,35 @@ class GramSchmidt {
  public:
   static constexpr int D = B::dimension;
 
-  explicit GramSchmidt(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
+  explicit GramSchmidt(FitTolerances tolerances = {})
+      : tolerances_(tolerances), regular_(tolerances) {}
 
   // Orthonormalises the basis on the cloud. Never fails: what could not be kept is in the report.
   FitReport fit(const LocalCloud<T, D>& cloud) {
     FitReport report;
     report.solver = Solver::gram_schmidt;
     report.neighbours = static_cast<std::uint32_t>(cloud.size);
-    fit_.start(cloud, B::size);
+    const bool regular = regular_.fit(cloud);
     if (cloud.size == 0) return report;
-    const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
-    if (!fit_regular(cloud, thresholds, report)) fit_blocks(cloud, thresholds, report);
-    report.amplification = static_cast<float>(std::sqrt(weight_sum_ * fit_.christoffel()));
+    weight_sum_ = regular_.weight_sum();
+    if (regular) {
+      report.rcond = static_cast<float>(regular_.rcond());
+      detail::report_full<B>(report);
+    } else {
+      fit_blocks(cloud, detail::Thresholds<T>(tolerances_, cloud.noise), report);
+    }
+    report.amplification = static_cast<float>(std::sqrt(weight_sum_ * kept().christoffel()));
     return report;
   }
 
-  const OrthonormalFit<T, D>& result() const { return fit_; }
+  const OrthonormalFit<T, D>& result() const { return regular_.result(); }
 
   void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
-    fit_.shape_functions(cloud, out);
+    kept().shape_functions(cloud, out);
   }
 
  private:
+  OrthonormalFit<T, D>& kept() { return regular_.result(); }
   using Jet = typename OrthonormalFit<T, D>::Jet;
 
   static T dot(const T* a, const T* b, int n) {
@@ -100,76 +102,35 @@ class GramSchmidt {
     return sum;
   }
 
-  // The plain graded algorithm. False where a term is not clearly independent, or the whole fit
-  // amplifies more than a single direction may: then the blocks need a closer look.
-  bool fit_regular(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
-                   FitReport& report) {
-    const int n = cloud.size;
-    const T* root = fit_.root_weights();
-    weight_sum_ = std::accumulate(cloud.w, cloud.w + n, T(0));
-    if (n < B::size) return false;
-    const T clear2 = thresholds.clear2;
-    const T shortest = clear2 * weight_sum_;  // of the linear terms, which have a size of their own
-
-    terms_.resize(static_cast<std::size_t>(B::size) * n);
-    for (int p = 0; p < n; ++p) {
-      std::array<T, B::size> values;
-      B::evaluate(cloud.at(p), values.data());
-      for (int j = 0; j < B::size; ++j) terms_[static_cast<std::size_t>(j) * n + p] = values[j];
-    }
-    T smallest = T(1);
-    for (int j = 0; j < B::size; ++j) {
-      T* column = fit_.next_column();
-      Jet& jet = fit_.next_jet();
-      const T* term = terms_.data() + static_cast<std::size_t>(j) * n;
-      for (int p = 0; p < n; ++p) column[p] = root[p] * term[p];
-      for (int a = 0; a < fit_.jets; ++a) jet[a] = T(B::origin(j, a));
-      const T whole = dot(column, column, n);
-      fit_.project_out(column, jet, j);
-      fit_.project_out(column, jet, j);
-      const T part = dot(column, column, n);
-      if (!(part > clear2 * whole) || (B::degree >= 1 && j < B::begin(2) && !(part > shortest)))
-        return false;
-      smallest = std::min(smallest, part / whole);
-      scale(column, jet, T(1) / std::sqrt(part), n);
-      fit_.keep();
-    }
-    if (!(weight_sum_ * fit_.christoffel() <= T(tolerances_.leverage * tolerances_.leverage)))
-      return false;
-    report.rcond = static_cast<float>(smallest);
-    detail::report_full<B>(report);
-    return true;
-  }
-
   // Degree by degree, each as a block of singular directions.
   void fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
                   FitReport& report) {
     const int n = cloud.size;
-    const T* root = fit_.root_weights();
+    const T* root = kept().root_weights();
     const T root_sum = std::sqrt(weight_sum_);
-    fit_.clear();
+    kept().clear();
     report.kept = {};
 
-    T* constant = fit_.next_column();
-    Jet& constant_jet = fit_.next_jet();
+    T* constant = kept().next_column();
+    Jet& constant_jet = kept().next_jet();
     for (int p = 0; p < n; ++p) constant[p] = root[p];
     constant_jet.fill(T(0));
     constant_jet[0] = T(1);
     scale(constant, constant_jet, T(1) / root_sum, n);
-    fit_.keep();
+    kept().keep();
     report.kept[0] = 1;
 
     T smallest = T(1), drop = thresholds.drop;
     T floor = detail::rounding_margin<T> * cloud.noise *
               root_sum;  // what rounding of the coordinates alone amounts to
-    for (int k = 1; k <= B::degree && fit_.rank() < n; ++k) {
+    for (int k = 1; k <= B::degree && kept().rank() < n; ++k) {
       const int columns = fill_block(cloud, k, report.kept[1]);
-      const int lower = fit_.rank();
+      const int lower = kept().rank();
       removed_.assign(static_cast<std::size_t>(columns) * B::size, T(0));
       for (int c = 0; c < columns; ++c)
         for (int pass = 0; pass < 2; ++pass)
-          fit_.project_out(block_column(c, n), block_jets_[c], lower,
-                           removed_.data() + c * B::size);
+          kept().project_out(block_column(c, n), block_jets_[c], lower,
+                             removed_.data() + c * B::size);
       make_orthogonal(columns, lower, n);
 
       std::array<int, B::size> order;
@@ -181,7 +142,7 @@ class GramSchmidt {
       std::stable_sort(order.begin(), order.begin() + columns,
                        [&](int a, int b) { return size[a] > size[b]; });
       T shortest = size[order[0]];
-      for (int i = 0; i < columns && fit_.rank() < n;) {
+      for (int i = 0; i < columns && kept().rank() < n;) {
         // Directions of comparable size stand or fall together: which of them is which is
         // arbitrary.
         int end = i;
@@ -197,7 +158,7 @@ class GramSchmidt {
           const T* removed = removed_.data() + c * B::size;
           const T whole = std::sqrt(size[c] * size[c] + dot(removed, removed, lower));
           const bool resolved = size[c] > drop * whole && size[c] > floor;
-          if (!inside || !resolved || fit_.rank() >= n) continue;
+          if (!inside || !resolved || kept().rank() >= n) continue;
           if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
           ++report.kept[k];
           shortest = std::min(shortest, size[c]);
@@ -222,7 +183,7 @@ class GramSchmidt {
   // in the coordinates along the kept linear directions. Returns how many there are.
   int fill_block(const LocalCloud<T, D>& cloud, int k, int linear_directions) {
     const int n = cloud.size;
-    const T* root = fit_.root_weights();
+    const T* root = kept().root_weights();
     const int begin = B::begin(k), end = B::begin(k + 1);
     block_.resize(static_cast<std::size_t>(end - begin) * n);
     block_jets_.resize(end - begin);
@@ -238,8 +199,8 @@ class GramSchmidt {
         variables = linear_directions;
         for (int i = 0; i < variables; ++i) {
           T norm = T(0);
-          for (int d = 0; d < D; ++d) norm += fit_.jet(1 + i)[1 + d] * fit_.jet(1 + i)[1 + d];
-          for (int d = 0; d < D; ++d) axes[i][d] = fit_.jet(1 + i)[1 + d] / std::sqrt(norm);
+          for (int d = 0; d < D; ++d) norm += kept().jet(1 + i)[1 + d] * kept().jet(1 + i)[1 + d];
+          for (int d = 0; d < D; ++d) axes[i][d] = kept().jet(1 + i)[1 + d] / std::sqrt(norm);
         }
       }
       int columns = 0;
@@ -271,7 +232,7 @@ class GramSchmidt {
         for (int j = begin; j < end; ++j) block_column(j - begin, n)[p] = root[p] * values[j];
       }
       for (int j = begin; j < end; ++j)
-        for (int a = 0; a < fit_.jets; ++a) block_jets_[j - begin][a] = T(B::origin(j, a));
+        for (int a = 0; a < kept().jets; ++a) block_jets_[j - begin][a] = T(B::origin(j, a));
       return end - begin;
     }
   }
@@ -325,7 +286,7 @@ class GramSchmidt {
             }
           };
           turn(x, y, n);
-          turn(block_jets_[a].data(), block_jets_[b].data(), fit_.jets);
+          turn(block_jets_[a].data(), block_jets_[b].data(), kept().jets);
           turn(removed_.data() + a * B::size, removed_.data() + b * B::size, lower);
         }
       if (done) return;
@@ -335,15 +296,15 @@ class GramSchmidt {
   // Appends a direction of the given size, cleaned once more against all that is kept. False where
   // nothing is left.
   bool keep_direction(const T* direction, Jet direction_jet, T size, int n) {
-    T* column = fit_.next_column();
+    T* column = kept().next_column();
     std::copy(direction, direction + n, column);
     scale(column, direction_jet, T(1) / size, n);
-    fit_.project_out(column, direction_jet, fit_.rank());
+    kept().project_out(column, direction_jet, kept().rank());
     const T left = dot(column, column, n);
     if (!(left > T(0.25))) return false;
     scale(column, direction_jet, T(1) / std::sqrt(left), n);
-    fit_.next_jet() = direction_jet;
-    fit_.keep();
+    kept().next_jet() = direction_jet;
+    kept().keep();
     return true;
   }
 
@@ -353,9 +314,8 @@ class GramSchmidt {
   }
 
   FitTolerances tolerances_;
-  OrthonormalFit<T, D> fit_;
+  RegularGramSchmidt<T, B> regular_;
   T weight_sum_ = T(0);
-  std::vector<T> terms_;    // the basis at the particles, column-wise
   std::vector<T> block_;    // one degree's columns in the block path
   std::vector<T> removed_;  // their parts in the lower degrees, B::size numbers per column
   std::vector<Jet> block_jets_;

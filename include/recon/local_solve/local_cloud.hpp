@@ -19,11 +19,13 @@
 #include <limits>
 #include <vector>
 
+#include "recon/core/lanes.hpp"
 #include "recon/local_solve/report.hpp"
 
 namespace recon {
 
-// Inputs of one fit; the arrays are the caller's. Only particles with w > 0.
+// Inputs of one fit; the arrays are the caller's. Only particles with w > 0; in a pack, lanes with
+// fewer particles than others have w = 0 (and xi = 0, dw = 0) in the entries that they lack.
 template <class T, int D>
 struct LocalCloud {
   int size = 0;                  // n
@@ -31,7 +33,8 @@ struct LocalCloud {
   const T* w = nullptr;          // weights, > 0, largest about 1
   std::array<const T*, D> dw{};  // d w_p / d x along each axis, 1/length; null if not asked for
   T rho = T(1);                  // support radius, a length
-  T noise = std::numeric_limits<T>::epsilon();  // rounding of xi: eps (|x| + rho) / rho
+  T noise =
+      T(std::numeric_limits<ScalarOf<T>>::epsilon());  // rounding of xi: eps (|x| + rho) / rho
 
   std::array<T, D> at(int p) const {
     std::array<T, D> x;
@@ -82,8 +85,8 @@ namespace detail {
 template <class T>
 inline constexpr T rounding_margin = T(8);
 
-// Thresholds in the precision T, all about the independent part of a term or direction relative to
-// the whole of it.
+// Thresholds in the precision of T, all about the independent part of a term or direction relative
+// to the whole of it.
 template <class T>
 struct Thresholds {
   T drop;              // ||p|| / ||q|| at or below: not resolved
@@ -91,13 +94,15 @@ struct Thresholds {
   T well_conditioned;  // the same for a moment matrix, which loses digits in proportion to 1 /
                        // pivot
 
-  Thresholds(const FitTolerances& tolerances, T noise) {
-    const T eps = std::numeric_limits<T>::epsilon();
-    drop = std::max(static_cast<T>(tolerances.rank), rounding_margin<T> * std::max(eps, noise));
-    const T margin = T(100) * drop * drop;
-    clear2 = std::max(std::sqrt(eps), margin);
-    well_conditioned =
-        std::max(std::sqrt(std::sqrt(eps)), margin);  // a quarter of the digits may go
+  Thresholds(const FitTolerances& tolerances, const T& noise) {
+    using Scalar = ScalarOf<T>;
+    const Scalar eps = std::numeric_limits<Scalar>::epsilon();
+    const Scalar root = std::sqrt(eps);
+    const T rounding = rounding_margin<Scalar> * larger(noise, T(eps));
+    drop = larger(T(static_cast<Scalar>(tolerances.rank)), rounding);
+    const T margin = Scalar(100) * drop * drop;
+    clear2 = larger(margin, T(root));
+    well_conditioned = larger(margin, T(std::sqrt(root)));  // a quarter of the digits may go
   }
 };
 

@@ -29,7 +29,14 @@ class LocalSolve {
   FitReport fit(const LocalCloud<T, D>& cloud) {
     FitReport report;
     used_ = solver_;
-    if (solver_ == Solver::moment_matrix && moment_matrix_.fit(cloud, report)) return report;
+    if (solver_ == Solver::moment_matrix && moment_matrix_.fit(cloud)) {
+      report.solver = Solver::moment_matrix;
+      report.neighbours = static_cast<std::uint32_t>(cloud.size);
+      report.rcond = static_cast<float>(moment_matrix_.rcond());
+      report.amplification = static_cast<float>(moment_matrix_.amplification());
+      detail::report_full<B>(report);
+      return report;
+    }
     if ((solver_ == Solver::qr || solver_ == Solver::svd) && reference_.fit(cloud, report))
       return report;
     used_ = Solver::gram_schmidt;

@@ -10,13 +10,17 @@
 //
 // For monomials, M has only C(2 degree + D, D) different entries, the moments sum_p w_p xi^alpha:
 // those are summed. Cost: that many multiply-adds per particle, m^3 / 6 for the factors.
+//
+// T may be a pack (core/pack.hpp), with one target in each lane. Lanes that are not safe go through
+// the same arithmetic with harmless numbers; what they leave is to be ignored.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "recon/basis/monomials.hpp"
-#include "recon/local_solve/gram_schmidt.hpp"
+#include "recon/core/lanes.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 
 namespace recon {
@@ -26,36 +30,54 @@ class MomentMatrix {
  public:
   static constexpr int D = B::dimension;
   static constexpr int m = B::size;
+  static constexpr int moment_count = monomial_count(D, 2 * B::degree);
+  using Mask = MaskOf<T>;
   using Vector = std::array<T, m>;
+  using Moments = std::array<T, moment_count>;  // ordered as Monomials<D, 2 degree>
 
   explicit MomentMatrix(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
 
-  // Builds and factorises M. False where the target must be handed over; the report is then
-  // unfinished.
-  bool fit(const LocalCloud<T, D>& cloud, FitReport& report) {
-    report = {};
-    report.solver = Solver::moment_matrix;
-    report.neighbours = static_cast<std::uint32_t>(cloud.size);
-    if (cloud.size < m) return false;
-    assemble(cloud);
-    const T weight_sum = lower_[0][0];
-    const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
-    const T regular = thresholds.well_conditioned;
-    for (int j = 1; j < B::begin(2) && B::degree >= 1; ++j)
-      if (!(lower_[j][j] > regular * regular * weight_sum)) return false;
-    const T smallest = factorise();
-    if (!(smallest > regular)) return false;
-    Vector unit{};
-    for (int j = 0; j < m; ++j) unit[j] = T(B::origin(j, 0));
-    value_ = solve(unit);
-    T christoffel = T(0);
-    for (int j = 0; j < m; ++j) christoffel += unit[j] * value_[j];
-    const T amplification2 = weight_sum * christoffel;
-    if (!(amplification2 <= T(tolerances_.leverage * tolerances_.leverage))) return false;
-    report.rcond = static_cast<float>(smallest);
-    report.amplification = static_cast<float>(std::sqrt(amplification2));
-    detail::report_full<B>(report);
-    return true;
+  // Builds and factorises M from the particles. False where the target must be handed over.
+  Mask fit(const LocalCloud<T, D>& cloud) {
+    if constexpr (detail::is_monomials<B>) {
+      return factor(moments_of(cloud), cloud.noise);
+    } else {
+      lower_ = {};
+      for (int p = 0; p < cloud.size; ++p) {
+        const Vector terms = evaluate(cloud, p);
+        for (int i = 0; i < m; ++i)
+          for (int j = 0; j <= i; ++j) lower_[i][j] += cloud.w[p] * terms[i] * terms[j];
+      }
+      return factor(cloud.noise);
+    }
+  }
+
+  // The same from moments summed elsewhere: moments[a] = sum_p w_p xi_p^alpha, alpha the exponents
+  // of term a of Monomials<D, 2 degree>.
+  Mask factor(const Moments& moments, const T& noise) requires detail::is_monomials<B> {
+    detail::unroll<m>([&](auto i) {
+      detail::unroll<i + 1>([&](auto j) { lower_[i][j] = moments[place(i, j)]; });
+    });
+    return factor(noise);
+  }
+
+  // The smallest pivot, FitReport::rcond; and FitReport::amplification.
+  const T& rcond() const { return smallest_; }
+  const T& amplification() const { return amplification_; }
+  // M^-1 e with e the basis at the target: phi_p = w_p m_p . coefficients().
+  const Vector& coefficients() const { return value_; }
+
+  // M^-1 b.
+  Vector solve(Vector b) const {
+    for (int i = 0; i < m; ++i) {
+      b[i] *= scale_[i];
+      for (int k = 0; k < i; ++k) b[i] -= lower_[i][k] * b[k];
+    }
+    for (int i = 0; i < m; ++i) b[i] *= inverse_[i];
+    for (int i = m - 1; i >= 0; --i)
+      for (int k = i + 1; k < m; ++k) b[i] -= lower_[k][i] * b[k];
+    for (int i = 0; i < m; ++i) b[i] *= scale_[i];
+    return b;
   }
 
   void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) const {
@@ -65,13 +87,15 @@ class MomentMatrix {
     std::array<Vector, seconds> second{};
     if (out.wants_gradient()) {
       for (int d = 0; d < D; ++d)
-        for (int j = 0; j < m; ++j) first[d][j] = T(B::origin(j, 1 + d)) / cloud.rho;
+        for (int j = 0; j < m; ++j) first[d][j] = T(Scalar(B::origin(j, 1 + d))) / cloud.rho;
       if (out.kind == Derivative::exact)
         for (int p = 0; p < n; ++p) {
           const Vector terms = evaluate(cloud, p);
           const T lambda = dot(terms, value_);
-          for (int d = 0; d < D; ++d)
-            for (int j = 0; j < m; ++j) first[d][j] -= cloud.dw[d][p] * lambda * terms[j];
+          for (int d = 0; d < D; ++d) {
+            const T moved = cloud.dw[d][p] * lambda;
+            for (int j = 0; j < m; ++j) first[d][j] -= moved * terms[j];
+          }
         }
       for (int d = 0; d < D; ++d) first[d] = solve(first[d]);
     }
@@ -81,7 +105,7 @@ class MomentMatrix {
         for (int b = a; b < D; ++b, ++entry) {
           for (int j = 0; j < m; ++j)
             second[entry][j] =
-                T(a == b ? 2 : 1) / (cloud.rho * cloud.rho) * T(B::origin(j, 1 + D + entry));
+                T(Scalar((a == b ? 2 : 1) * B::origin(j, 1 + D + entry))) / (cloud.rho * cloud.rho);
           second[entry] = solve(second[entry]);
         }
     }
@@ -100,9 +124,11 @@ class MomentMatrix {
   }
 
  private:
+  using Scalar = ScalarOf<T>;
+
   static T dot(const Vector& a, const Vector& b) {
-    T sum = T(0);
-    for (int j = 0; j < m; ++j) sum += a[j] * b[j];
+    T sum = a[0] * b[0];
+    for (int j = 1; j < m; ++j) sum += a[j] * b[j];
     return sum;
   }
 
@@ -112,46 +138,38 @@ class MomentMatrix {
     return terms;
   }
 
-  void assemble(const LocalCloud<T, D>& cloud) {
-    if constexpr (detail::is_monomials<B>) {
-      using Moments = Monomials<D, 2 * B::degree>;
-      std::array<T, Moments::size> moments{};
-      for (int p = 0; p < cloud.size; ++p) {
-        std::array<T, Moments::size> powers;
-        Moments::evaluate(cloud.at(p), powers.data());
-        for (int a = 0; a < Moments::size; ++a) moments[a] += cloud.w[p] * powers[a];
-      }
-      for (int i = 0; i < m; ++i)
-        for (int j = 0; j <= i; ++j) lower_[i][j] = moments[place(i, j)];
-    } else {
-      lower_ = {};
-      for (int p = 0; p < cloud.size; ++p) {
-        const Vector terms = evaluate(cloud, p);
-        for (int i = 0; i < m; ++i)
-          for (int j = 0; j <= i; ++j) lower_[i][j] += cloud.w[p] * terms[i] * terms[j];
-      }
+  static Moments moments_of(const LocalCloud<T, D>& cloud) {
+    Moments moments{};
+    for (int p = 0; p < cloud.size; ++p) {
+      Moments powers;
+      Monomials<D, 2 * B::degree>::evaluate(cloud.at(p), powers.data(), cloud.w[p]);
+      detail::unroll<moment_count>([&](auto a) { moments[a] += powers[a]; });
     }
+    return moments;
   }
 
   // Where the moment of the product of terms i and j stands.
-  static int place(int i, int j) requires detail::is_monomials<B> {
-    static constexpr auto table = [] {
-      std::array<std::array<std::uint16_t, m>, m> all{};
-      for (int a = 0; a < m; ++a)
-        for (int b = 0; b < m; ++b) {
-          auto e = B::exponents[a];
-          for (int d = 0; d < D; ++d) e[d] = static_cast<std::uint8_t>(e[d] + B::exponents[b][d]);
-          all[a][b] = static_cast<std::uint16_t>(Monomials<D, 2 * B::degree>::find(e));
-        }
-      return all;
-    }();
-    return table[i][j];
+  static constexpr int place(int i, int j) {
+    std::array<std::uint8_t, D> e = B::exponents[i];
+    for (int d = 0; d < D; ++d) e[d] = static_cast<std::uint8_t>(e[d] + B::exponents[j][d]);
+    return Monomials<D, 2 * B::degree>::find(e);
   }
 
-  // LDL^T of the matrix scaled to unit diagonal, in place; returns the smallest pivot.
-  T factorise() {
-    T smallest = T(1);
-    for (int i = 0; i < m; ++i) scale_[i] = T(1) / std::sqrt(lower_[i][i]);
+  // LDL^T of M, in place of its lower triangle, with all that is asked of it.
+  Mask factor(const T& noise) {
+    const T weight_sum = lower_[0][0];
+    const detail::Thresholds<T> thresholds(tolerances_, noise);
+    const T& regular = thresholds.well_conditioned;
+    const T shortest = regular * regular * weight_sum;  // the linear terms have a size of their own
+    Mask safe = weight_sum > T(0);
+    for (int j = 1; j < B::begin(2) && B::degree >= 1; ++j) safe = safe && lower_[j][j] > shortest;
+
+    for (int i = 0; i < m; ++i) {
+      using std::sqrt;
+      safe = safe && lower_[i][i] > T(0);
+      scale_[i] = T(1) / sqrt(select(safe, lower_[i][i], T(1)));
+    }
+    smallest_ = T(1);
     for (int j = 0; j < m; ++j) {
       Vector row;
       T pivot = T(1);
@@ -159,35 +177,34 @@ class MomentMatrix {
         row[k] = lower_[j][k] * pivot_[k];
         pivot -= lower_[j][k] * row[k];
       }
-      pivot_[j] = pivot;
-      smallest = pivot < smallest ? pivot : smallest;
-      const T inverse = T(1) / pivot;
+      safe = safe && pivot > regular;
+      pivot_[j] = select(safe, pivot, T(1));
+      smallest_ = smaller(pivot_[j], smallest_);
+      inverse_[j] = T(1) / pivot_[j];
       for (int i = j + 1; i < m; ++i) {
         T value = lower_[i][j] * scale_[i] * scale_[j];
         for (int k = 0; k < j; ++k) value -= lower_[i][k] * row[k];
-        lower_[i][j] = value * inverse;
+        lower_[i][j] = select(safe, value * inverse_[j], T(0));
       }
-      if (!(pivot > T(0))) return T(0);
+      if (!any_lane(safe)) return safe;
     }
-    return smallest;
-  }
 
-  Vector solve(Vector b) const {
-    for (int i = 0; i < m; ++i) {
-      b[i] *= scale_[i];
-      for (int k = 0; k < i; ++k) b[i] -= lower_[i][k] * b[k];
-    }
-    for (int i = 0; i < m; ++i) b[i] /= pivot_[i];
-    for (int i = m - 1; i >= 0; --i) {
-      for (int k = i + 1; k < m; ++k) b[i] -= lower_[k][i] * b[k];
-    }
-    for (int i = 0; i < m; ++i) b[i] *= scale_[i];
-    return b;
+    using std::sqrt;
+    Vector unit{};
+    for (int j = 0; j < m; ++j) unit[j] = T(Scalar(B::origin(j, 0)));
+    value_ = solve(unit);
+    T christoffel = T(0);
+    for (int j = 0; j < m; ++j) christoffel += unit[j] * value_[j];
+    const T amplification2 = select(safe, weight_sum * christoffel, T(0));
+    amplification_ = sqrt(amplification2);
+    const auto limit = static_cast<Scalar>(tolerances_.leverage);
+    return safe && amplification2 <= T(limit * limit);
   }
 
   FitTolerances tolerances_;
   std::array<Vector, m> lower_{};
-  Vector pivot_{}, scale_{}, value_{};
+  Vector pivot_{}, inverse_{}, scale_{}, value_{};
+  T smallest_ = T(0), amplification_ = T(0);
 };
 
 }  // namespace recon

@@ -1,0 +1,95 @@
+// Gram-Schmidt where all terms are clearly independent (Tran et al. 2019, eq. 17-19), each term
+// projected twice.
+//
+// The terms of the basis, times sqrt(w_p), become orthonormal columns u_j, graded by degree, the
+// constant first. This is the fast half of gram_schmidt.hpp, which also says what happens to the
+// rest: a target is regular where every term keeps a clear independent part (Thresholds::clear2 of
+// its square), and the whole fit amplifies data errors by no more than the leverage limit.
+//
+// T may be a pack (core/pack.hpp), with one target in each lane. Lanes that are not regular go
+// through the same arithmetic with harmless numbers; what they leave is to be ignored.
+// Cost: 4 n m^2 multiply-adds for n particles and m terms.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "recon/core/lanes.hpp"
+#include "recon/local_solve/local_cloud.hpp"
+#include "recon/local_solve/orthonormal_fit.hpp"
+
+namespace recon {
+
+template <class T, Basis B>
+class RegularGramSchmidt {
+ public:
+  static constexpr int D = B::dimension;
+  using Mask = MaskOf<T>;
+
+  explicit RegularGramSchmidt(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
+
+  // Orthonormalises the basis on the cloud; false where that needs a closer look.
+  Mask fit(const LocalCloud<T, D>& cloud) {
+    using std::sqrt;
+    const int n = cloud.size;
+    fit_.start(cloud, B::size);
+    weight_sum_ = T(0);
+    for (int p = 0; p < n; ++p) weight_sum_ += cloud.w[p];
+    rcond_ = T(1);
+    Mask regular = weight_sum_ > T(0);
+    if (n < B::size) return Mask(false);
+
+    for (int p = 0; p < n; ++p) {
+      std::array<T, B::size> values;
+      B::evaluate(cloud.at(p), values.data());
+      for (int j = 0; j < B::size; ++j) fit_.column(j)[p] = fit_.root_weights()[p] * values[j];
+    }
+    const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
+    const T shortest =
+        thresholds.clear2 * weight_sum_;  // of the linear terms, which have a size of their own
+    for (int j = 0; j < B::size; ++j) {
+      T* column = fit_.next_column();
+      auto& jet = fit_.next_jet();
+      for (int a = 0; a < fit_.jets; ++a) jet[a] = T(static_cast<ScalarOf<T>>(B::origin(j, a)));
+      const T whole = square(column, n);
+      fit_.project_out(column, jet, j);
+      fit_.project_out(column, jet, j);
+      const T part = square(column, n);
+      regular = regular && part > thresholds.clear2 * whole;
+      if (B::degree >= 1 && j < B::begin(2)) regular = regular && part > shortest;
+      if (!any_lane(regular)) return regular;
+      rcond_ = smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), rcond_);
+      const T scale = T(1) / sqrt(select(regular, part, T(1)));
+      for (int p = 0; p < n; ++p) column[p] *= scale;
+      for (T& coefficient : jet) coefficient *= scale;
+      fit_.keep();
+    }
+    amplification_ = sqrt(select(regular, weight_sum_ * fit_.christoffel(), T(0)));
+    return regular && amplification_ <= T(static_cast<ScalarOf<T>>(tolerances_.leverage));
+  }
+
+  // FitReport::rcond and FitReport::amplification; the sum of the weights.
+  const T& rcond() const { return rcond_; }
+  const T& amplification() const { return amplification_; }
+  const T& weight_sum() const { return weight_sum_; }
+
+  const OrthonormalFit<T, D>& result() const { return fit_; }
+  OrthonormalFit<T, D>& result() { return fit_; }
+
+  void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
+    fit_.shape_functions(cloud, out);
+  }
+
+ private:
+  static T square(const T* a, int n) {
+    T sum = T(0);
+    for (int p = 0; p < n; ++p) sum += a[p] * a[p];
+    return sum;
+  }
+
+  FitTolerances tolerances_;
+  OrthonormalFit<T, D> fit_;
+  T weight_sum_ = T(0), rcond_ = T(1), amplification_ = T(0);
+};
+
+}  // namespace recon
