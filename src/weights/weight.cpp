@@ -5,6 +5,7 @@
 
 #include "recon/core/error.hpp"
 #include "recon/core/names.hpp"
+#include "weights/weight_function.hpp"
 
 namespace recon {
 namespace {
@@ -84,6 +85,19 @@ Weight weight_named(std::string_view name) {
   detail::throw_invalid("weight", name, suggest(name, names));
 }
 
-WeightFunction::WeightFunction(Weight weight) : WeightFunction(make(weight)) {}
+WeightFunction::WeightFunction(Weight weight) : WeightFunction(make(weight)) {
+  named_ = weight;
+}
+
+template <class Scalar>
+WeightFunction::Function<Scalar> WeightFunction::function(InstructionSet set) const {
+  if (named_) return RECON_DISPATCH(set, weight_function<Scalar>)(*named_);
+  if constexpr (std::is_same_v<Scalar, float>)
+    return evaluate_float_;
+  else
+    return evaluate_double_;
+}
+template WeightFunction::Function<float> WeightFunction::function<float>(InstructionSet) const;
+template WeightFunction::Function<double> WeightFunction::function<double>(InstructionSet) const;
 
 }  // namespace recon

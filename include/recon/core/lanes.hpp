@@ -13,23 +13,40 @@ struct LaneTraits {
   using Scalar = T;  // of one lane
   using Mask = bool;
   static constexpr int lanes = 1;
+  static constexpr const T& select(bool mask, const T& a, const T& b) { return mask ? a : b; }
 };
 template <class T>
 using ScalarOf = typename LaneTraits<T>::Scalar;
 template <class T>
 using MaskOf = typename LaneTraits<T>::Mask;
 
-inline bool any_lane(bool mask) {
-  return mask;
+template <class Mask>
+struct MaskTraits;
+template <>
+struct MaskTraits<bool> {
+  static constexpr bool any(bool mask) { return mask; }
+  static constexpr bool all(bool mask) { return mask; }
+};
+
+template <class Mask>
+constexpr bool any_lane(const Mask& mask) {
+  return MaskTraits<Mask>::any(mask);
 }
-inline bool all_lanes(bool mask) {
-  return mask;
+template <class Mask>
+constexpr bool all_lanes(const Mask& mask) {
+  return MaskTraits<Mask>::all(mask);
+}
+
+// A number, in all lanes.
+template <class T>
+constexpr T constant(double value) {
+  return T(static_cast<ScalarOf<T>>(value));
 }
 
 // a where the mask holds, b elsewhere.
 template <class T>
-constexpr T select(bool mask, const T& a, const T& b) {
-  return mask ? a : b;
+constexpr T select(const MaskOf<T>& mask, const T& a, const T& b) {
+  return LaneTraits<T>::select(mask, a, b);
 }
 
 // The smaller and the larger of two; b where a is NaN.

@@ -18,23 +18,19 @@ struct LaneTraits<std::experimental::simd<S, Abi>> {
   using Scalar = S;
   using Mask = std::experimental::simd_mask<S, Abi>;
   static constexpr int lanes = static_cast<int>(std::experimental::simd<S, Abi>::size());
+
+  using T = std::experimental::simd<S, Abi>;
+  static T select(const Mask& mask, const T& a, T b) {
+    std::experimental::where(mask, b) = a;
+    return b;
+  }
 };
 
 template <class S, class Abi>
-bool any_lane(const std::experimental::simd_mask<S, Abi>& mask) {
-  return std::experimental::any_of(mask);
-}
-template <class S, class Abi>
-bool all_lanes(const std::experimental::simd_mask<S, Abi>& mask) {
-  return std::experimental::all_of(mask);
-}
-
-template <class S, class Abi>
-std::experimental::simd<S, Abi> select(const std::experimental::simd_mask<S, Abi>& mask,
-                                       const std::experimental::simd<S, Abi>& a,
-                                       std::experimental::simd<S, Abi> b) {
-  std::experimental::where(mask, b) = a;
-  return b;
-}
+struct MaskTraits<std::experimental::simd_mask<S, Abi>> {
+  using Mask = std::experimental::simd_mask<S, Abi>;
+  static bool any(const Mask& mask) { return std::experimental::any_of(mask); }
+  static bool all(const Mask& mask) { return std::experimental::all_of(mask); }
+};
 
 }  // namespace recon

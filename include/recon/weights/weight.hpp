@@ -8,7 +8,7 @@
 // product of one factor w(|x_d - x_pd| / rho) per axis, with the support a cube.
 //
 // Written here, each a small struct with operator() and derivative() = dw/dq for any arithmetic
-// type:
+// type, packs (core/pack.hpp) among them:
 //   BSpline<P>, P = 1..5    centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h
 //   the cardinal
 //                           spline has rho = (P + 1) h / 2: linear h, quadratic 1.5 h, cubic 2 h.
@@ -25,10 +25,14 @@
 #include <concepts>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+
+#include "recon/core/instruction_set.hpp"
+#include "recon/core/lanes.hpp"
 
 namespace recon {
 
@@ -76,11 +80,12 @@ struct BSpline {
 
   template <class T>
   constexpr T operator()(T q) const {
-    return sum<P>((T(1) - q) * T((P + 1) / 2.0)) * T(1 / detail::factorial(P));
+    return sum<P>((T(1) - q) * constant<T>((P + 1) / 2.0)) * constant<T>(1 / detail::factorial(P));
   }
   template <class T>
   constexpr T derivative(T q) const {
-    return sum<P - 1>((T(1) - q) * T((P + 1) / 2.0)) * T(-(P + 1) / 2.0 / detail::factorial(P - 1));
+    return sum<P - 1>((T(1) - q) * constant<T>((P + 1) / 2.0)) *
+           constant<T>(-(P + 1) / 2.0 / detail::factorial(P - 1));
   }
 
  private:
@@ -90,9 +95,9 @@ struct BSpline {
     using std::max;
     T total = T(0);
     for (int k = 0; 2 * k < P + 1; ++k) {
-      const T coefficient = T((k % 2 ? -1 : 1) * detail::binomial(P + 1, k));
+      const T coefficient = constant<T>((k % 2 ? -1 : 1) * detail::binomial(P + 1, k));
       if constexpr (N == 0) {
-        total = s - T(k) > T(0) ? T(total + coefficient) : total;
+        total = select(s - T(k) > T(0), T(total + coefficient), total);
       } else {
         total = total + coefficient * detail::power<N>(T(max(T(s - T(k)), T(0))));
       }
@@ -112,7 +117,7 @@ struct Wendland {
     if constexpr (K == 0) return r * r;
     if constexpr (K == 2) return detail::power<4>(r) * (T(4) * q + T(1));
     if constexpr (K == 4)
-      return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * T(1.0 / 3);
+      return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * constant<T>(1.0 / 3);
     if constexpr (K == 6)
       return detail::power<8>(r) * (((T(32) * q + T(25)) * q + T(8)) * q + T(1));
   }
@@ -122,7 +127,8 @@ struct Wendland {
     const T r = max(T(T(1) - q), T(0));
     if constexpr (K == 0) return T(-2) * r;
     if constexpr (K == 2) return T(-20) * q * detail::power<3>(r);
-    if constexpr (K == 4) return T(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
+    if constexpr (K == 4)
+      return constant<T>(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
     if constexpr (K == 6) return T(-22) * q * ((T(16) * q + T(7)) * q + T(1)) * detail::power<7>(r);
   }
 };
@@ -133,15 +139,19 @@ struct Gaussian {
   template <class T>
   T operator()(T q) const {
     using std::exp;
-    const T end = exp(T(-1 / (shape * shape)));
-    return q < T(1) ? T((exp(T(-(q * q) * T(1 / (shape * shape)))) - end) / (T(1) - end)) : T(0);
+    const T end = exp(constant<T>(-1 / (shape * shape)));
+    return select(q < T(1),
+                  T((exp(T(-(q * q) * constant<T>(1 / (shape * shape)))) - end) / (T(1) - end)),
+                  T(0));
   }
   template <class T>
   T derivative(T q) const {
     using std::exp;
-    const T end = exp(T(-1 / (shape * shape)));
-    const T slope = T(-2 / (shape * shape)) * q;
-    return q < T(1) ? T(slope * exp(T(-(q * q) * T(1 / (shape * shape)))) / (T(1) - end)) : T(0);
+    const T end = exp(constant<T>(-1 / (shape * shape)));
+    const T slope = constant<T>(-2 / (shape * shape)) * q;
+    return select(q < T(1),
+                  T(slope * exp(T(-(q * q) * constant<T>(1 / (shape * shape)))) / (T(1) - end)),
+                  T(0));
   }
 };
 
@@ -152,13 +162,13 @@ struct InverseDistance {
   constexpr T operator()(T q) const {
     using std::max;
     const T r = max(T(T(1) - q), T(0));
-    return r * r / (q * q + T(softening * softening));
+    return r * r / (q * q + constant<T>(softening * softening));
   }
   template <class T>
   constexpr T derivative(T q) const {
     using std::max;
     const T r = max(T(T(1) - q), T(0));
-    const T d = q * q + T(softening * softening);
+    const T d = q * q + constant<T>(softening * softening);
     return (T(-2) * r * d - T(2) * q * r * r) / (d * d);
   }
 };
@@ -195,6 +205,10 @@ Weight weight_named(std::string_view name);
 // RadialWeight. It is evaluated for many q in one call, so the choice costs nothing inside a loop.
 class WeightFunction {
  public:
+  template <class Scalar>
+  using Function = void (*)(const void* state, const Scalar* q, Scalar* w, Scalar* slope,
+                            std::size_t n);
+
   WeightFunction(Weight weight = Weight::cubic_b_spline);
 
   // The exclusion comes first: a concept that asked whether a WeightFunction can be copied would
@@ -205,6 +219,12 @@ class WeightFunction {
     evaluate_double_ = &run<W, double>;
     evaluate_float_ = &run<W, float>;
   }
+
+  // evaluate() as a plain function, to be called with state(): recon's own weights in the
+  // instructions of the set (a resolved one).
+  template <class Scalar>
+  Function<Scalar> function(InstructionSet set) const;
+  const void* state() const { return state_.get(); }
 
   // w[i] = w(q[i]) and, unless `slope` is null, slope[i] = w'(q[i]), for i < n; 0 where q[i] >= 1.
   void evaluate(const double* q, double* w, double* slope, std::size_t n) const {
@@ -226,8 +246,9 @@ class WeightFunction {
   }
 
   std::shared_ptr<const void> state_;
-  void (*evaluate_double_)(const void*, const double*, double*, double*, std::size_t);
-  void (*evaluate_float_)(const void*, const float*, float*, float*, std::size_t);
+  Function<double> evaluate_double_;
+  Function<float> evaluate_float_;
+  std::optional<Weight> named_;
 };
 
 }  // namespace recon
