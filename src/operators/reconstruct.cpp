@@ -137,8 +137,8 @@ struct BasicReconstruction<Scalar>::Problem {
     particles = gather(points, "points", domain, options.stretch);
     targets = gather(at, "targets", domain, options.stretch);
     kernel = make_shape_kernel<Scalar>(
-        points.dimension(),
-        {options.degree, options.weight, options.form, options.solver, options.tolerances});
+        points.dimension(), {options.degree, options.weight, options.form, options.solver,
+                             options.tolerances, resolved(options.instruction_set)});
     for (int d = 0; d < max_dimension; ++d)
       axis_scale[d] = static_cast<Scalar>(1 / options.stretch[d]);
     fill = static_cast<Scalar>(options.fill_value);
