@@ -32,10 +32,9 @@ class Kernel final : public ShapeKernel<Scalar> {
 
     Single single(choice_);
     for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t t = problem.order.empty() ? i : problem.order[i];
       const LaneReport& lane = reports[i - begin];
-      const FitReport report = lane.done ? report_of(lane) : single.evaluate(problem, t, rows);
-      if (rows.report) rows.report[t] = report;
+      const FitReport report = lane.done ? report_of(lane) : single.evaluate(problem, i, rows);
+      if (rows.report) rows.report[i] = report;
     }
   }
 
@@ -89,14 +88,15 @@ class Kernel final : public ShapeKernel<Scalar> {
       const int n = static_cast<int>(list.count(t));
       stencil_.start(x, list.support[t], n);
       for (int d = 0; d < D; ++d) {
-        const Scalar* axis = problem.particles.axis(d).data();
+        const Scalar* axis = problem.particles.data() + d;
         Scalar* offset = stencil_.offsets(d);
         if (list.shifts.empty() || !problem.domain.periodic[d]) {
-          for (int p = 0; p < n; ++p) offset[p] = axis[index[p]] - x[d];
+          for (int p = 0; p < n; ++p) offset[p] = axis[std::size_t{index[p]} * D] - x[d];
         } else {
           const ImageShift* shift = list.shifts.data() + list.offsets[t];
           const Scalar period = problem.domain.period(d);
-          for (int p = 0; p < n; ++p) offset[p] = (axis[index[p]] - x[d]) + shift[p][d] * period;
+          for (int p = 0; p < n; ++p)
+            offset[p] = (axis[std::size_t{index[p]} * D] - x[d]) + shift[p][d] * period;
         }
       }
       stencil_.weigh(choice_.weight, choice_.form, slopes, problem.support_factor);
@@ -114,10 +114,10 @@ class Kernel final : public ShapeKernel<Scalar> {
     const NeighbourList<Scalar>& list = problem.neighbours;
     LaneTask<Scalar> task;
     for (int d = 0; d < D; ++d) {
-      task.particles[d] = problem.particles.axis(d).data();
-      task.targets[d] = problem.targets.axis(d).data();
       if (problem.domain.periodic[d]) task.period[d] = problem.domain.period(d);
     }
+    task.particles = problem.particles.data();
+    task.targets = problem.targets.data();
     task.offsets = list.offsets.data();
     task.indices = list.indices.data();
     task.shifts = list.shifts.empty() ? nullptr : list.shifts.data();
@@ -128,7 +128,6 @@ class Kernel final : public ShapeKernel<Scalar> {
     task.weight = choice_.weight.state();
     task.form = choice_.form;
     task.tolerances = choice_.tolerances;
-    task.order = problem.order.empty() ? nullptr : problem.order.data();
     task.begin = begin;
     task.end = end;
     task.rows = rows;

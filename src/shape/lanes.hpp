@@ -21,8 +21,9 @@ struct LaneReport {
 
 template <class Scalar>
 struct LaneTask {
-  std::array<const Scalar*, max_dimension> particles{}, targets{};  // an array per axis
-  const std::int64_t* offsets = nullptr;                            // the neighbour list
+  const Scalar* particles = nullptr;  // D coordinates of each
+  const Scalar* targets = nullptr;
+  const std::int64_t* offsets = nullptr;  // the neighbour list
   const ParticleIndex* indices = nullptr;
   const ImageShift* shifts = nullptr;  // null: none
   const Scalar* support = nullptr;
@@ -33,10 +34,9 @@ struct LaneTask {
   const void* weight = nullptr;
   WeightForm form = WeightForm::radial;
   FitTolerances tolerances{};
-  const std::uint32_t* order = nullptr;  // targets order[begin..end); null: targets begin..end
-  std::size_t begin = 0, end = 0;
-  ShapeRows<Scalar> rows{};       // reports are not written
-  LaneReport* reports = nullptr;  // end - begin of them
+  std::size_t begin = 0, end = 0;  // targets
+  ShapeRows<Scalar> rows{};        // reports are not written
+  LaneReport* reports = nullptr;   // end - begin of them
 };
 
 template <class Scalar>
@@ -47,7 +47,7 @@ using LaneFunction = void (*)(const LaneTask<Scalar>& task);
 namespace recon {
 
 // Null where there is none: for the solvers that work on single targets only.
-RECON_FOR_EACH_SET(template <class Scalar, int D>
-                   detail::LaneFunction<Scalar> lane_function(int degree, Solver solver))
+RECON_FOR_EACH_SET(template <class Scalar, int D> detail::LaneFunction<Scalar> lane_function(
+    int degree, Solver solver))
 
 }  // namespace recon

@@ -48,14 +48,14 @@ class Lanes {
     std::array<T, D> x;
     for (T& c : x) c = T(0);
     for (int l = 0; l < used; ++l) {
-      const std::size_t t = task_.order ? task_.order[i + l] : i + l;
+      const std::size_t t = i + l;
       row_[l] = task_.offsets[t];
       count_[l] = static_cast<int>(task_.offsets[t + 1] - task_.offsets[t]);
       // The reciprocal of a tiny support overflows; such a target is treated by itself.
       if (!(task_.support[t] > 8 * std::numeric_limits<Scalar>::min())) count_[l] = 0;
       if (count_[l] > 0) rho[l] = task_.support[t];
       present[l] = static_cast<Scalar>(count_[l]);
-      for (int d = 0; d < D; ++d) x[d][l] = task_.targets[d][t];
+      for (int d = 0; d < D; ++d) x[d][l] = task_.targets[t * D + d];
       most = count_[l] > most ? count_[l] : most;
     }
     for (int l = used; l < lanes; ++l) count_[l] = 0;
@@ -85,20 +85,25 @@ class Lanes {
   void gather(int l, int most, const std::array<T, D>& x) {
     const int n = count_[l];
     const ParticleIndex* index = task_.indices + (n > 0 ? row_[l] : 0);
+    std::array<Scalar*, D> offset;
+    std::array<Scalar, D> centre;
     for (int d = 0; d < D; ++d) {
-      Scalar* offset = stencil_.offsets(d) + l;
-      const Scalar* axis = task_.particles[d];
-      const Scalar centre = x[d][l];
-      if (!task_.shifts || task_.period[d] == 0) {
-        for (int p = 0; p < n; ++p) offset[p * lanes] = axis[index[p]] - centre;
-      } else {
-        const ImageShift* shift = task_.shifts + row_[l];
-        for (int p = 0; p < n; ++p)
-          offset[p * lanes] =
-              (axis[index[p]] - centre) + static_cast<Scalar>(shift[p].data()[d]) * task_.period[d];
-      }
-      for (int p = n; p < most; ++p) offset[p * lanes] = 0;
+      offset[d] = stencil_.offsets(d) + l;
+      centre[d] = x[d][l];
     }
+    for (int p = 0; p < n; ++p) {
+      const Scalar* at = task_.particles + std::size_t{index[p]} * D;
+      for (int d = 0; d < D; ++d) offset[d][p * lanes] = at[d] - centre[d];
+    }
+    if (task_.shifts && n > 0) {
+      const std::int8_t* shift = reinterpret_cast<const std::int8_t*>(task_.shifts + row_[l]);
+      for (int p = 0; p < n; ++p)
+        for (int d = 0; d < D; ++d)
+          offset[d][p * lanes] +=
+              static_cast<Scalar>(shift[p * max_dimension + d]) * task_.period[d];
+    }
+    for (int p = n; p < most; ++p)
+      for (int d = 0; d < D; ++d) offset[d][p * lanes] = 0;
   }
 
   void scatter(int l, const ShapeArrays<T, D>& out) {

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <memory>
-#include <span>
 
 #include "recon/core/instruction_set.hpp"
 #include "recon/local_solve/local_cloud.hpp"
@@ -38,9 +37,6 @@ struct ShapeProblem {
   // Derivatives are multiplied by this per axis: 1 / stretch, where coordinates have been divided
   // by stretch.
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
-  // Target number i of a range is order[i]; empty: i itself. One in which neighbours in space
-  // follow each other keeps their particles in the cache. The results do not depend on it.
-  std::span<const std::uint32_t> order{};
 };
 
 // Output arrays, null where not wanted. Entry e of the neighbour list has value[e], gradient[e * D
@@ -59,7 +55,8 @@ template <class Scalar>
 class ShapeKernel {
  public:
   virtual ~ShapeKernel() = default;
-  // Targets number begin to end - 1 of the order. Thread-safe; no allocation per target.
+  // Targets begin <= t < end, best in an order in which neighbours in space follow each other
+  // (points/spatial_order.hpp). Thread-safe; no allocation per target.
   virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                         const ShapeRows<Scalar>& rows) const = 0;
 };
