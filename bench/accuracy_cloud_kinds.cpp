@@ -100,13 +100,15 @@ void measure_nearest(Table& table, CloudKind kind, const Setting<double, D>& s) 
 void measure_radius(Table& table, CloudKind kind, const Setting<double, D>& s) {
   recon::Options options{.degree = degree,
                          .neighbours = recon::Radius{radius_for<D>(neighbours, s.spacing)}};
-  for (const auto solver : {recon::Solver::moment_matrix, recon::Solver::gram_schmidt}) {
-    options.solver = solver;
-    add_row(table, kind, "radius", solver_name(solver),
-            accuracy_of(std::string(name_of(kind)) + " cloud, radius, " + solver_name(solver), s,
-                        options),
-            std::nan(""));
-  }
+  for (const bool grown : {false, true})
+    for (const auto solver : {recon::Solver::moment_matrix, recon::Solver::gram_schmidt}) {
+      options.solver = solver;
+      options.grow.steps = grown ? 8 : 0;
+      const char* supports = grown ? "radius, growing" : "radius";
+      const std::string name = std::string(name_of(kind)) + " cloud, " + supports + ", ";
+      add_row(table, kind, supports, solver_name(solver),
+              accuracy_of(name + solver_name(solver), s, options), std::nan(""));
+    }
 }
 
 }  // namespace

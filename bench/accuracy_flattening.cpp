@@ -190,7 +190,8 @@ Section flattening_study(const Context& context) {
       "3-D, degree 2, the 21 nearest particles, double, a plane tilted against all axes. Residual "
       "along plane: the largest error of a polynomial of degree 2 in the two directions that the "
       "particles do determine. The plain moment matrix and single-pass Gram-Schmidt have no rank "
-      "handling; failed: Cholesky stopped.",
+      "handling; failed: Cholesky stopped. Beside the plane a residual in proportion to the "
+      "thickness is no error: the plane of the nearest particles is tilted by as much.",
       {out.table},
       {}};
   add_picture(section, context, "accuracy_flattening", out.residual);

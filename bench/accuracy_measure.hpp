@@ -111,8 +111,8 @@ template <class Scalar, int D>
 Accuracy accuracy_of(const std::string& name, const Setting<Scalar, D>& s,
                      const recon::Options& options,
                      recon::Derivative kind = recon::Derivative::exact) {
-  const auto fit = recon::reconstruct(recon::points_of(s.points), recon::points_of(s.targets),
-                                      neighbours_of<Scalar>(s.points, s.targets, options), options);
+  const auto fit =
+      recon::reconstruct(recon::points_of(s.points), recon::points_of(s.targets), options);
   const auto& op = fit.values();
   const auto u = field_at(s.points);
   const auto gradient = fit.gradient(kind).apply(recon::field_of(u));

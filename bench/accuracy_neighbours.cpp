@@ -1,6 +1,4 @@
 // How many neighbours: error, noise and cost against their number, in multiples of the terms.
-#include <map>
-
 #include "accuracy.hpp"
 #include "accuracy_measure.hpp"
 #include "accuracy_report.hpp"
@@ -9,6 +7,10 @@ namespace recon_bench {
 namespace {
 
 constexpr double ratios[] = {1.1, 1.5, 2, 3, 4, 6};
+
+std::size_t neighbours_for(double ratio, int terms) {
+  return static_cast<std::size_t>(std::ceil(ratio * terms - 1e-9));
+}
 
 struct Tables {
   Table all{"accuracy_neighbours",
@@ -44,7 +46,8 @@ void measure(const Context& context, Tables& tables) {
     recon::Curve error{"degree " + std::to_string(degree), {}, {}};
     recon::Curve price = error;
     for (const double ratio : ratios) {
-      const auto k = static_cast<std::size_t>(std::ceil(ratio * terms - 1e-9));
+      if (degree == 0 && ratio < 2) continue;
+      const auto k = neighbours_for(ratio, terms);
       recon::Options options{.degree = degree,
                              .neighbours = recon::Nearest{k},
                              .solver = recon::Solver::moment_matrix};
@@ -77,6 +80,56 @@ void measure(const Context& context, Tables& tables) {
   }
 }
 
+// One choice, with the two parts of its error: of the fit, and per noise in the data.
+struct Choice {
+  int degree = 0;
+  std::size_t neighbours = 0;
+  double fit = 0, noise = 0;
+  // Independent errors of standard deviation sigma add up to sigma sqrt(sum phi^2).
+  double error(double sigma) const { return std::hypot(fit, sigma * noise); }
+};
+
+std::vector<Choice> choices(const Context& context) {
+  constexpr int D = 3;
+  const auto s = make_setting<D>(CloudKind::random, 20, context.quick ? 200 : 1000);
+  std::vector<Choice> all;
+  for (int degree = 0; degree <= 4; ++degree)
+    for (const double ratio : {1.5, 2., 3., 4., 6., 10., 20., 40.}) {
+      const auto k = neighbours_for(ratio, recon::monomial_count(D, degree));
+      if (k > 250) break;
+      const recon::Options options{.degree = degree,
+                                   .neighbours = recon::Nearest{k},
+                                   .solver = recon::Solver::moment_matrix};
+      const auto a = accuracy_of("choices, " + std::to_string(k) + " neighbours", s, options);
+      all.push_back({degree, k, a.rms_value, a.noise});
+    }
+  return all;
+}
+
+// Which degree and number of neighbours have the least error when the data are noisy.
+Table noise_table(const Context& context) {
+  Table table("accuracy_noise", {"noise %", "degree", "neighbours", "RMS error", "degree 0",
+                                 "degree 1", "degree 2", "degree 3", "degree 4"});
+  const auto all = choices(context);
+  for (const double per_cent : {0., 0.01, 0.1, 1., 10.}) {
+    const double sigma = per_cent / 100;
+    const auto better = [&](const Choice& a, const Choice& b) {
+      return a.error(sigma) < b.error(sigma);
+    };
+    const Choice best = *std::min_element(all.begin(), all.end(), better);
+    std::vector<std::string> row{number(per_cent), std::to_string(best.degree),
+                                 std::to_string(best.neighbours), number(best.error(sigma))};
+    for (int degree = 0; degree <= 4; ++degree) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const Choice& c : all)
+        if (c.degree == degree) least = std::min(least, c.error(sigma));
+      row.push_back(number(least));
+    }
+    table.add(row);
+  }
+  return table;
+}
+
 }  // namespace
 
 Section neighbour_study(const Context& context) {
@@ -95,8 +148,11 @@ Section neighbour_study(const Context& context) {
   Section section{
       "How many neighbours",
       "Random particles, the k nearest, cubic B-spline, double, data without noise. Noise: the RMS "
-      "of sqrt(sum phi^2), the share of independent errors in the data that gets into a value.",
-      {tables.best, tables.all},
+      "of sqrt(sum phi^2), the share of independent errors in the data that gets into a value. "
+      "The table of noisy data (3-D; noise in per cent of the size of the field) names the best "
+      "degree and number of neighbours, and the least error that each degree reaches with any "
+      "number up to 250.",
+      {tables.best, noise_table(context), tables.all},
       {}};
   add_picture(section, context, "accuracy_neighbours", tables.error);
   add_picture(section, context, "accuracy_price", tables.price);

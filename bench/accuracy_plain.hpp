@@ -13,7 +13,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
@@ -26,20 +28,46 @@ class PlainMomentMatrix {
  public:
   bool shape_functions(const recon::LocalCloud<T, B::dimension>& cloud, T* phi) {
     using Vector = Eigen::Matrix<T, B::size, 1>;
-    Eigen::Matrix<T, B::size, B::size> moments = moments.Zero();
-    Vector terms;
+    std::array<T, pairs> sums{};
     for (int p = 0; p < cloud.size; ++p) {
-      B::evaluate(cloud.at(p), terms.data());
-      moments.template selfadjointView<Eigen::Lower>().rankUpdate(terms, cloud.w[p]);
+      const std::array<T, B::size> terms = evaluate(cloud, p);
+      add_products(cloud.w[p], terms, sums, std::make_index_sequence<pairs>{});
     }
+    Eigen::Matrix<T, B::size, B::size> moments = moments.Zero();
+    for (int a = 0; a < pairs; ++a) moments(triangle[a][0], triangle[a][1]) = sums[a];
     const Eigen::LLT<Eigen::Matrix<T, B::size, B::size>> cholesky(moments);
     if (cholesky.info() != Eigen::Success) return false;
     const Vector c = cholesky.solve(Vector::Unit(0));
     for (int p = 0; p < cloud.size; ++p) {
-      B::evaluate(cloud.at(p), terms.data());
-      phi[p] = cloud.w[p] * terms.dot(c);
+      const std::array<T, B::size> terms = evaluate(cloud, p);
+      T sum = T(0);
+      for (int j = 0; j < B::size; ++j) sum += terms[j] * c[j];
+      phi[p] = cloud.w[p] * sum;
     }
     return true;
+  }
+
+ private:
+  static constexpr int pairs = B::size * (B::size + 1) / 2;
+  // Row and column of the entries of the lower triangle.
+  static constexpr std::array<std::array<int, 2>, pairs> triangle = [] {
+    std::array<std::array<int, 2>, pairs> all{};
+    for (int j = 0, at = 0; j < B::size; ++j)
+      for (int i = j; i < B::size; ++i) all[at++] = {i, j};
+    return all;
+  }();
+
+  // Written out entry by entry, so that the sums stay in registers.
+  template <std::size_t... a>
+  static void add_products(T w, const std::array<T, B::size>& terms, std::array<T, pairs>& sums,
+                           std::index_sequence<a...>) {
+    ((sums[a] += w * terms[triangle[a][0]] * terms[triangle[a][1]]), ...);
+  }
+
+  static std::array<T, B::size> evaluate(const recon::LocalCloud<T, B::dimension>& cloud, int p) {
+    std::array<T, B::size> terms;
+    B::evaluate(cloud.at(p), terms.data());
+    return terms;
   }
 };
 
