@@ -53,12 +53,12 @@ Setting<double, D> squeezed(double thickness, bool beside, std::size_t target_co
 struct Rows {
   std::vector<double> phi;
   std::vector<bool> failed;
-  double handed_over = std::nan(""), reduced = std::nan("");
+  double handed_over = std::nan(""), reduced = std::nan(""), construct = std::nan("");
 };
 
 Rows rows_of(const std::string& name, const Setting<double, D>& s,
-             const recon::NeighbourList<double>& list, recon::Options options,
-             recon::Solver solver) {
+             const recon::NeighbourList<double>& list, recon::Options options, recon::Solver solver,
+             double budget) {
   options.solver = solver;
   accuracy_of(name, s, options);  // the check
   const auto fit =
@@ -69,7 +69,8 @@ Rows rows_of(const std::string& name, const Setting<double, D>& s,
   return {{values.begin(), values.end()},
           std::vector<bool>(s.targets.size(), false),
           per_cent * static_cast<double>(summary.handed_over),
-          per_cent * static_cast<double>(summary.reduced)};
+          per_cent * static_cast<double>(summary.reduced),
+          cost_of(s, options, 1, budget).construct};
 }
 
 template <class Fit>
@@ -135,7 +136,7 @@ Result evaluate(const Setting<double, D>& s, const recon::NeighbourList<double>&
 struct Output {
   Table table{"accuracy_flattening",
               {"targets", "thickness", "method", "failed %", "handed over %", "reduced %",
-               "residual along plane", "amplification", "RMS error", "max error"}};
+               "residual along plane", "amplification", "RMS error", "max error", "construct us"}};
   recon::LinePlot residual, amplification;
 };
 
@@ -143,7 +144,7 @@ void add(Output& out, bool beside, double thickness, const std::string& method, 
          const Result& r) {
   out.table.add({beside ? "beside" : "on", number(thickness), method, number(r.failed),
                  number(rows.handed_over), number(rows.reduced), number(r.residual),
-                 number(r.amplification), number(r.rms), number(r.worst)});
+                 number(r.amplification), number(r.rms), number(r.worst), number(rows.construct)});
   if (method == "QR" || method == "SVD") return;
   recon::LinePlot& plot = beside ? out.amplification : out.residual;
   auto curve = std::find_if(plot.curves.begin(), plot.curves.end(),
@@ -153,8 +154,8 @@ void add(Output& out, bool beside, double thickness, const std::string& method, 
   curve->y.push_back(beside ? r.amplification : std::max(r.residual, 1e-17));
 }
 
-void measure(bool beside, double thickness, std::size_t targets, Output& out) {
-  const auto s = squeezed(thickness, beside, targets);
+void measure(const Context& context, bool beside, double thickness, Output& out) {
+  const auto s = squeezed(thickness, beside, context.quick ? 200 : 2000);
   const recon::Options options{.degree = degree, .neighbours = recon::Nearest{2 * Terms::size + 1}};
   const auto list = neighbours_of<double>(s.points, s.targets, options);
   const LocalProblems<double, D> problems(s.points, s.targets, list, options.weight);
@@ -166,7 +167,7 @@ void measure(bool beside, double thickness, std::size_t targets, Output& out) {
            plain_rows<SinglePassGramSchmidt<double, Terms>>(problems, list));
   for (const auto solver : all_solvers) {
     const std::string name = "thickness " + number(thickness) + ", " + solver_name(solver);
-    const Rows rows = rows_of(name, s, list, options, solver);
+    const Rows rows = rows_of(name, s, list, options, solver, timing_budget(context) / 8);
     add_rows(solver_name(solver), rows);
   }
 }
@@ -184,7 +185,7 @@ Section flattening_study(const Context& context) {
   out.amplification.y_label = "largest factor on errors in the data, sum |phi|";
   for (const bool beside : {false, true})
     for (int digits = 1; digits <= 12; digits += context.quick ? 2 : 1)
-      measure(beside, std::pow(10.0, -digits), context.quick ? 200 : 2000, out);
+      measure(context, beside, std::pow(10.0, -digits), out);
   Section section{
       "Clouds that approach a plane",
       "3-D, degree 2, the 21 nearest particles, double, a plane tilted against all axes. Residual "

@@ -106,24 +106,33 @@ std::vector<Choice> choices(const Context& context) {
   return all;
 }
 
+// The one with the least error among those of a degree, or (-1) of any.
+Choice best_choice(const std::vector<Choice>& all, int degree, double sigma) {
+  Choice best;
+  for (const Choice& c : all) {
+    if (degree >= 0 && c.degree != degree) continue;
+    if (best.neighbours == 0 || c.error(sigma) < best.error(sigma)) best = c;
+  }
+  return best;
+}
+
 // Which degree and number of neighbours have the least error when the data are noisy.
 Table noise_table(const Context& context) {
-  Table table("accuracy_noise", {"noise %", "degree", "neighbours", "RMS error", "degree 0",
-                                 "degree 1", "degree 2", "degree 3", "degree 4"});
+  std::vector<std::string> columns{"noise %", "degree", "neighbours", "RMS error"};
+  for (int degree = 0; degree <= 4; ++degree)
+    for (const char* what : {"degree ", "neighbours of degree "})
+      columns.push_back(what + std::to_string(degree));
+  Table table("accuracy_noise", columns);
   const auto all = choices(context);
   for (const double per_cent : {0., 0.01, 0.1, 1., 10.}) {
     const double sigma = per_cent / 100;
-    const auto better = [&](const Choice& a, const Choice& b) {
-      return a.error(sigma) < b.error(sigma);
-    };
-    const Choice best = *std::min_element(all.begin(), all.end(), better);
-    std::vector<std::string> row{number(per_cent), std::to_string(best.degree),
-                                 std::to_string(best.neighbours), number(best.error(sigma))};
+    const Choice of_all = best_choice(all, -1, sigma);
+    std::vector<std::string> row{number(per_cent), std::to_string(of_all.degree),
+                                 std::to_string(of_all.neighbours), number(of_all.error(sigma))};
     for (int degree = 0; degree <= 4; ++degree) {
-      double least = std::numeric_limits<double>::infinity();
-      for (const Choice& c : all)
-        if (c.degree == degree) least = std::min(least, c.error(sigma));
-      row.push_back(number(least));
+      const Choice c = best_choice(all, degree, sigma);
+      row.push_back(number(c.error(sigma)));
+      row.push_back(std::to_string(c.neighbours));
     }
     table.add(row);
   }
