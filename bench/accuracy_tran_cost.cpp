@@ -77,8 +77,8 @@ class Workload {
   }
 
  private:
-  auto points() const { return recon::points_of(setting_.points); }
-  auto targets() const { return recon::points_of(setting_.targets); }
+  recon::PointsView<double> points() const { return recon::points_of(setting_.points); }
+  recon::PointsView<double> targets() const { return recon::points_of(setting_.targets); }
   double micro() const { return 1e6 / static_cast<double>(setting_.targets.size()); }
 
   // Shape functions of all nodes by `solve`, compared with those of reconstruct() before they are
