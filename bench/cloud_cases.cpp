@@ -19,8 +19,11 @@ struct Goals {
   double search = 0, moment_matrix = 5, gram_schmidt = 5, all = 0;
 };
 Goals goals_of(const CloudSetting& setting) {
-  if (setting.dimension == 3 && setting.degree == 2) return {5, 10, 5, 6};
-  return {};
+  return setting.dimension == 3 && setting.degree == 2 ? Goals{5, 10, 5, 6} : Goals{};
+}
+// Float against double and two threads against one are aims of this one.
+bool is_aim(const CloudSetting& setting) {
+  return setting.dimension == 3 && setting.degree == 2;
 }
 constexpr double float_goal = 1.7, threads_goal = 1.8;
 
@@ -171,6 +174,7 @@ template <int D, int Degree>
 Timed time_setting(Lab& lab, const CloudSetting& setting) {
   progress("cloud, " + setting.name());
   const int threads = lab.context.threads;
+  const bool one_thread_too = threads > 1 && (!lab.context.quick || is_aim(setting));
   const CloudSize size = lab.context.smoke ? smoke_cloud_size : cloud_size;
   CloudCase<double, D, Degree> wide(size, setting.k, threads);
   CloudCase<float, D, Degree> narrow(size, setting.k, threads);
@@ -186,7 +190,7 @@ Timed time_setting(Lab& lab, const CloudSetting& setting) {
     std::vector<Contestant> all;
     add(wide, all, "", threads, true);
     add(narrow, all, "_float", threads, true);
-    if (threads > 1) add(wide, all, "_one_thread", 1, false);
+    if (one_thread_too) add(wide, all, "_one_thread", 1, false);
     const auto times = lab.stopwatch.run("cloud/" + setting.name() + "/" + stage, all);
     for (std::size_t i = 0; i < all.size(); ++i) timed.stage[stage][all[i].name] = times[i];
   };
@@ -239,7 +243,6 @@ void add_aims(Summary& summary, const CloudSetting& setting, const Timed& timed)
   }
 }
 
-// Float against double and two threads against one, where they are aims: 3-D degree 2.
 void add_own_aims(Summary& summary, const CloudSetting& setting, const Timed& timed, int threads) {
   for (const Row& row : rows) {
     const std::string subject = row.subject, stage = row.stage;
@@ -322,13 +325,11 @@ Section run_cloud(Lab& lab) {
   plot.log_y = true;
   for (const Row& row : rows) plot.curves.emplace_back().name = label(row);
 
-  bool first = true;
   for (const CloudSetting& setting : cloud_settings) {
     const Timed timed = time_setting(lab, setting);
     add_rows(setting, timed, table);
     add_aims(lab.summary, setting, timed);
-    if (first) add_own_aims(lab.summary, setting, timed, lab.context.threads);
-    first = false;
+    if (is_aim(setting)) add_own_aims(lab.summary, setting, timed, lab.context.threads);
     if (!timed.good) continue;
     add_share(lab, setting, timed, share);
     section.text +=

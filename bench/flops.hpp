@@ -26,4 +26,14 @@ constexpr double construct_flops(int dimension, int degree, int k) {
   return k * per_neighbour + factorisation;
 }
 
+// Moments of degree 1 of one particle at one node, tensor-product weight given per axis.
+constexpr double grid_flops_per_pair(int dimension, int components) {
+  const int n = terms(dimension, 1), moments = terms(dimension, 2);
+  return (dimension - 1)              // weight
+         + (moments - 1 - dimension)  // monomials of degree 2
+         + 2 * moments                // sums of the moment matrix
+         + n                          // weighted basis
+         + 2 * n * components;        // right-hand sides
+}
+
 }  // namespace recon_bench

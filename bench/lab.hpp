@@ -2,7 +2,8 @@
 // limits.
 #pragma once
 
-#include <vector>
+#include <cstddef>
+#include <string>
 
 #include "checks.hpp"
 #include "context.hpp"
@@ -40,5 +41,8 @@ Section run_grid(Lab& lab);
 Section run_instruction_sets(Lab& lab);
 Section run_scaling(Lab& lab);
 Section run_memory(Lab& lab);
+
+// `table` is a CSV file that bench/peers.py wrote.
+Section run_peers(Lab& lab, const std::string& table);
 
 }  // namespace recon_bench

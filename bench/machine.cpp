@@ -3,12 +3,14 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 
 #include "hand_written.hpp"
 #include "peak.hpp"
 #include "recon/core/instruction_set.hpp"
+#include "table.hpp"
 
 namespace recon_bench {
 namespace {
@@ -38,6 +40,13 @@ std::string instruction_sets() {
   return text;
 }
 
+// What else the machine was doing: times are worth less where this is not near 0.
+std::string load() {
+  double average = 0;
+  if (getloadavg(&average, 1) != 1) return "unknown";
+  return number(average);
+}
+
 std::string date() {
   const std::time_t now = std::time(nullptr);
   char text[32];
@@ -56,6 +65,7 @@ std::size_t last_level_cache_bytes() {
 
 std::vector<std::pair<std::string, std::string>> machine_description(int threads) {
   return {{"date", date()},
+          {"load of the last minute, at the start", load()},
           {"processor", processor_model()},
           {"cores", std::to_string(benchmark::CPUInfo::Get().num_cpus)},
           {"threads", std::to_string(threads)},

@@ -5,6 +5,7 @@
 #include <benchmark/benchmark.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -40,6 +41,7 @@ struct Command {
   Context context;
   std::vector<std::string> only;
   std::string peers;
+  bool check_options = false;
 
   bool wants(const std::string& part) const {
     return only.empty() || std::find(only.begin(), only.end(), part) != only.end();
@@ -59,6 +61,7 @@ void parse(CLI::App& app, Command& command) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--only", command.only, "Some parts only")->check(CLI::IsMember(names));
+  app.add_flag("--check-options", command.check_options, "Only look at the options");
   app.add_option("--peers", command.peers, "A table of other programs, made by bench/peers.py")
       ->check(CLI::ExistingFile);
 }
@@ -70,18 +73,6 @@ int explain(const CLI::App& app, const CLI::ParseError& error) {
   for (const CLI::Option* option : app.get_options()) valid += " " + option->get_name();
   std::fprintf(stderr, "recon-bench: %s\nThe options are%s\n", error.what(), valid.c_str());
   return 1;
-}
-
-Section peers_section(const std::string& file) {
-  Section section{
-      "Other programs",
-      "Measured by bench/peers.py on the sources and targets of the cloud workload, or of "
-      "a smaller one where it says so. What can be compared, and what not, stands in the "
-      "column `note`.",
-      {},
-      {}};
-  section.tables = {read_table(file)};
-  return section;
 }
 
 int run(Command& command) {
@@ -105,10 +96,14 @@ int run(Command& command) {
 #ifdef RECON_BENCH_HAS_ACCURACY
   if (command.wants("accuracy") && !context.smoke) {
     progress("accuracy");
-    for (Section& section : run_accuracy(context)) sections.push_back(std::move(section));
+    try {
+      for (Section& section : run_accuracy(context)) sections.push_back(std::move(section));
+    } catch (const std::exception& error) {
+      checks.hold(false, std::string("accuracy: ") + error.what());
+    }
   }
 #endif
-  if (!command.peers.empty()) sections.push_back(peers_section(command.peers));
+  if (!command.peers.empty()) sections.push_back(run_peers(lab, command.peers));
 
   write_report(context, machine, summary, checks, sections);
   stopwatch.write_json(context.out / "speed.json");
@@ -133,6 +128,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return recon_bench::explain(app, error);
   }
+  if (command.check_options) return 0;
   int only_name = 1;
   benchmark::Initialize(&only_name, argv);
   try {

@@ -15,7 +15,10 @@ constexpr double flat_goal = 1.25;
 constexpr std::size_t full_sizes[] = {10000, 100000, 1000000, 10000000};
 constexpr std::size_t smoke_sizes[] = {1000, 2000};
 constexpr std::size_t sources_per_target = 2;
-constexpr double longest_estimate = 60;  // seconds for all stages of one size: beyond it is skipped
+constexpr std::size_t few_rounds_from = 1000000;  // targets: two rounds, for they take long
+constexpr int few_rounds = 2;
+// Seconds for one size, beyond which it is skipped.
+constexpr double longest_full = 200, longest_quick = 15;
 
 constexpr const char* stages[] = {"search", "construct", "apply", "all"};
 
@@ -65,7 +68,8 @@ std::vector<double> time_size(Lab& lab, std::size_t targets) {
   const std::string name = "scaling, " + std::to_string(targets) + " targets";
   // Both do the same arithmetic, up to the order of equally near neighbours.
   if (!lab.checks.within(worst / 1e-9, name + ": from points and with a given list")) return {};
-  const auto times = lab.stopwatch.run("scaling/" + std::to_string(targets), all, 0.5);
+  const auto times = lab.stopwatch.run("scaling/" + std::to_string(targets), all, 0.5,
+                                       targets >= few_rounds_from ? few_rounds : 1000);
   std::vector<double> seconds;
   for (const Times& one : times) seconds.push_back(one.best());
   return seconds;
@@ -94,12 +98,11 @@ Section run_scaling(Lab& lab) {
   double last = 0;  // seconds per target
   bool complete = true;
   for (const std::size_t targets : sizes) {
-    // Twice to check, once to warm up, and the fewest rounds.
-    const double rounds = lab.context.quick ? 5 : 7;
-    const double estimate = last * static_cast<double>(targets) * rounds;
+    // Once to check, once to warm up, and the rounds.
+    const double estimate = last * static_cast<double>(targets) * (2 + few_rounds);
     std::vector<std::string> row{number(static_cast<double>(targets))};
     std::vector<double> seconds;
-    if (estimate > longest_estimate * (lab.context.quick ? 0.25 : 3)) {
+    if (estimate > (lab.context.quick ? longest_quick : longest_full)) {
       section.text += "\n\n" + row[0] + " targets: skipped, about " + number(estimate) + " s.";
       complete = false;
     } else {

@@ -111,10 +111,9 @@ void time_question(Lab& lab, const recon::PointCloud<double>& points,
 }
 
 template <int D>
-void time_dimension(Lab& lab, std::size_t k, Table& table) {
+void time_dimension(Lab& lab, const CloudSize& size, std::size_t k, Table& table) {
   const std::string dimension = std::to_string(D) + "-D";
   progress("searches, " + dimension);
-  const CloudSize size = lab.context.smoke ? smoke_cloud_size : cloud_size;
   const Cloud<double, D> cloud(size);
   const recon::PointCloud<double> points(cloud.from());
   auto build = time_building<D>(lab, points);
@@ -133,23 +132,28 @@ void time_dimension(Lab& lab, std::size_t k, Table& table) {
 }  // namespace
 
 Section run_search(Lab& lab) {
+  const CloudSize size{lab.choose(cloud_size.sources, 50000, smoke_cloud_size.sources),
+                       lab.choose(cloud_size.targets, 25000, smoke_cloud_size.targets)};
   Section section{
       "Searches",
-      "The sources of the cloud; targets at random, and on a regular grid in its order. `total` is "
-      "the "
-      "whole call of find_neighbours on gathered points, `build` the construction of the search "
-      "alone, "
-      "and `query` the difference per target (the cell grid may choose other cells for a radius, "
-      "so "
-      "there it is an estimate). Brute force is asked for the first " +
+      std::to_string(size.sources) + " sources of the cloud; " + std::to_string(size.targets) +
+          " targets at random, and as many on a regular grid in its order. `total` is "
+          "the "
+          "whole call of find_neighbours on gathered points, `build` the construction of the "
+          "search "
+          "alone, "
+          "and `query` the difference per target (the cell grid may choose other cells for a "
+          "radius, "
+          "so "
+          "there it is an estimate). Brute force is asked for the first " +
           std::to_string(few_targets) +
           " targets only. All methods must give the same list to the bit before they are timed.",
       {},
       {}};
   Table table("search", {"dimension", "rule", "targets", "method", "neighbours", "asked",
                          "total ms", "build ms", "query us per target", "total us per target"});
-  time_dimension<3>(lab, 20, table);
-  time_dimension<2>(lab, 12, table);
+  time_dimension<3>(lab, size, 20, table);
+  time_dimension<2>(lab, size, 12, table);
   section.tables = {table};
   return section;
 }

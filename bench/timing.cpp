@@ -75,13 +75,8 @@ Stopwatch::Stopwatch(const Context& context) : runs_(std::make_unique<Runs>()) {
 Stopwatch::~Stopwatch() = default;
 
 std::vector<Times> Stopwatch::run(const std::string& contest,
-                                  const std::vector<Contestant>& contestants) {
-  return run(contest, contestants, 1);
-}
-
-std::vector<Times> Stopwatch::run(const std::string& contest,
-                                  const std::vector<Contestant>& contestants,
-                                  double budget_factor) {
+                                  const std::vector<Contestant>& contestants, double budget_factor,
+                                  int rounds_suffice) {
   progress("  " + contest);
   std::vector<Times> times(contestants.size());
   std::vector<std::string> names;
@@ -113,9 +108,10 @@ std::vector<Times> Stopwatch::run(const std::string& contest,
         ->UseRealTime()
         ->Unit(benchmark::kMicrosecond);
   }
-  const int rounds = static_cast<int>(std::clamp(budget_ * budget_factor / std::max(round, 1e-9),
-                                                 static_cast<double>(fewest_rounds_),
-                                                 static_cast<double>(most_rounds_)));
+  const int fewest = std::min(fewest_rounds_, rounds_suffice);
+  const int rounds =
+      static_cast<int>(std::clamp(budget_ * budget_factor / std::max(round, 1e-9),
+                                  static_cast<double>(fewest), static_cast<double>(most_rounds_)));
   for (int r = 0; r < rounds; ++r) {
     Collector collector;
     benchmark::RunSpecifiedBenchmarks(&collector, "all");

@@ -41,12 +41,11 @@ class Stopwatch {
   explicit Stopwatch(const Context& context);
   ~Stopwatch();
 
-  // Each contestant runs once to warm up, then in every round. Times in the contestants' order.
-  std::vector<Times> run(const std::string& contest, const std::vector<Contestant>& contestants);
-
-  // For contests that are shorter or longer than usual: a factor of the budget.
+  // Each contestant runs once to warm up, then in every round. Times in the contestants' order. For
+  // contests that are shorter or longer than usual: a factor of the budget, and a bound on the
+  // least number of rounds.
   std::vector<Times> run(const std::string& contest, const std::vector<Contestant>& contestants,
-                         double budget_factor);
+                         double budget_factor = 1, int rounds_suffice = 1000);
 
   // Google Benchmark's JSON of all runs so far.
   void write_json(const std::filesystem::path& file) const;
