@@ -1,5 +1,7 @@
 #include "checks.hpp"
 
+#include <algorithm>
+
 #include "table.hpp"
 #include "timing.hpp"
 
@@ -15,6 +17,7 @@ bool Checks::hold(bool condition, const std::string& what) {
 }
 
 bool Checks::within(double worst_ratio, const std::string& what) {
+  if (worst_ratio <= 1) worst_ = std::max(worst_, worst_ratio);
   return hold(worst_ratio <= 1, what + ": off by " + number(worst_ratio) + " tolerances");
 }
 

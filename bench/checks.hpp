@@ -15,10 +15,12 @@ class Checks {
   bool within(double worst_ratio, const std::string& what);
 
   int done() const { return done_; }
+  double worst() const { return worst_; }  // of all calls of within() that held
   const std::vector<std::string>& failures() const { return failures_; }
 
  private:
   int done_ = 0;
+  double worst_ = 0;
   std::vector<std::string> failures_;
 };
 

@@ -1,6 +1,6 @@
-// The grid workload: jittered particles, 8 in each cell of the unit cube; a velocity to the nodes with
-// cubic, or a stress and a density to the cell centres with quadratic B-splines (tensor products),
-// degree 1.
+// The grid workload: jittered particles, 8 in each cell of the unit cube; a velocity to the nodes
+// with cubic, or a stress and a density to the cell centres with quadratic B-splines (tensor
+// products), degree 1.
 #pragma once
 
 #include <array>
@@ -63,14 +63,12 @@ class GridWorkload {
     return recon::reconstruct_on_grid(points(), fields(), grid_, options(threads, set));
   }
   auto moments(int threads) const {
-    return recon::BasicGridMoments<Scalar>(
-        points(), fields(), grid_, options(threads, recon::InstructionSet::automatic));
+    return recon::BasicGridMoments<Scalar>(points(), fields(), grid_,
+                                           options(threads, recon::InstructionSet::automatic));
   }
 
   // What degree 1 must reproduce at the nodes, and what it must not.
-  static double curved(const Point& x, int component) {
-    return std::sin(5 * linear(x, component));
-  }
+  static double curved(const Point& x, int component) { return std::sin(5 * linear(x, component)); }
   static double linear(const Point& x, int component) {
     return 1 + component + (2 - component) * static_cast<double>(x[0]) +
            3 * static_cast<double>(x[1]) - 0.5 * component * static_cast<double>(x[2]);

@@ -39,12 +39,13 @@ void add_recon(Lab& lab, const Cloud<double, 3>& cloud, const CloudSetting& sett
 
 Section run_peers(Lab& lab, const std::string& file) {
   progress("recon beside other programs");
-  Section section{"Other programs",
-                  "Measured by bench/peers.py on the sources of the 3-D cloud and its targets, or the "
-                  "first of them; the error is that of the product of sines. What can be compared, and "
-                  "what not, stands in the column `note`.",
-                  {},
-                  {}};
+  Section section{
+      "Other programs",
+      "Measured by bench/peers.py on the sources of the 3-D cloud and its targets, or the "
+      "first of them; the error is that of the product of sines. What can be compared, and "
+      "what not, stands in the column `note`.",
+      {},
+      {}};
   Table table = read_table(file);
   const Cloud<double, 3> cloud(cloud_size);
   for (const CloudSetting& setting : settings) add_recon(lab, cloud, setting, table);

@@ -52,7 +52,7 @@ void write_report(const Context& context,
           "only.\n\n"
        << summary.table().markdown() << "\n## Checks\n\n"
        << checks.done() << " answers checked before they were timed, " << checks.failures().size()
-       << " wrong.\n";
+       << " wrong. The largest difference was " << number(checks.worst()) << " of its tolerance.\n";
   for (const std::string& failure : checks.failures()) file << "- WRONG: " << failure << "\n";
   for (const Section& section : sections) {
     file << "\n## " << section.title << "\n\n" << section.text << "\n";
