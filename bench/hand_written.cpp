@@ -128,9 +128,8 @@ const char* eigen_version() {
       EIGEN_MAJOR_VERSION) "." HAND_WRITTEN_STRING(EIGEN_MINOR_VERSION);
 }
 
-// 0x142 is 1.4.2.
-const char* nanoflann_version() {
-  return HAND_WRITTEN_STRING(NANOFLANN_VERSION);
+int nanoflann_version() {
+  return NANOFLANN_VERSION;
 }
 
 #define INSTANTIATE(S, D)                                                                  \

@@ -48,8 +48,7 @@ template <class Scalar>
 void apply(const Neighbours<Scalar>& neighbours, const Scalar* coefficients, const Scalar* u,
            std::size_t targets, Scalar* out, int threads);
 
-// As their headers say it.
 const char* eigen_version();
-const char* nanoflann_version();
+int nanoflann_version();  // 0x142 is 1.4.2
 
 }  // namespace hand_written

@@ -33,6 +33,13 @@ std::string caches() {
   return text.empty() ? "unknown" : text;
 }
 
+// A hexadecimal digit for each part.
+std::string nanoflann_version() {
+  const int version = hand_written::nanoflann_version();
+  return std::to_string(version >> 8) + "." + std::to_string(version >> 4 & 15) + "." +
+         std::to_string(version & 15);
+}
+
 std::string instruction_sets() {
   std::string text;
   for (const auto set : recon::available_instruction_sets())
@@ -79,7 +86,7 @@ std::vector<std::pair<std::string, std::string>> machine_description(int threads
           {"vector bytes of the hand-written loop", std::to_string(native_vector_bytes())},
           {"recon", RECON_BENCH_VERSION},
           {"Eigen", hand_written::eigen_version()},
-          {"nanoflann", hand_written::nanoflann_version()}};
+          {"nanoflann", nanoflann_version()}};
 }
 
 }  // namespace recon_bench

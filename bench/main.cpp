@@ -82,7 +82,8 @@ int run(Command& command) {
   context.out = draft.folder();
 
   const auto machine = machine_description(context.threads);
-  for (const auto& [name, text] : machine) benchmark::AddCustomContext(name, text);
+  for (const auto& [name, text] : machine)
+    benchmark::AddCustomContext("recon-bench: " + name, text);
   Stopwatch stopwatch(context);
   Summary summary;
   Checks checks;
