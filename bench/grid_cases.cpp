@@ -81,8 +81,9 @@ double pairs_of(const Reports& reports) {
 }
 
 struct GridTable {
-  Table times{"grid",
-              {"workload", "particles", "call", "ms", "ns per particle", "ratio", "compared with"}};
+  Table times{
+      "grid",
+      {"workload", "particles", "call", "ms", "ns per particle", "time / reference", "reference"}};
 };
 
 void time_setting(Lab& lab, const GridSetting& setting, GridTable& tables) {
@@ -168,7 +169,7 @@ void time_growth(Lab& lab, const GridSetting& setting, GridTable& tables) {
     per_particle[i] = times[0].best() / particles[i] * 1e9;
     tables.times.add({setting.name, number(particles[i]), "reconstruct",
                       number(times[0].best() * 1e3), number(per_particle[i]),
-                      number(per_particle[0] / per_particle[i]), "the smaller one"});
+                      number(per_particle[i] / per_particle[0]), "the smaller one"});
     if (i == 0) {
       const double in = particles[0] * (3 + setting.components) * sizeof(double);
       const double out =
