@@ -318,7 +318,11 @@ void BasicReconstruction<Scalar>::fit(std::shared_ptr<Problem> problem, const Op
   const auto& target_of = problem->pattern->target_of;
   if (!target_of.empty()) {
     std::vector<FitReport> of_targets(reports.size());
-    for (std::size_t i = 0; i < reports.size(); ++i) of_targets[target_of[i]] = reports[i];
+    parallel_blocks(reports.size(), 16 * targets_per_block, options.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t i = begin; i < end; ++i)
+                        of_targets[target_of[i]] = reports[i];
+                    });
     reports = std::move(of_targets);
   }
   reports_ = FitReports(std::move(reports), options.solver);

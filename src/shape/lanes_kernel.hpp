@@ -22,10 +22,7 @@ class Lanes {
  public:
   static void run(const detail::LaneTask<Scalar>& task) {
     Lanes work(task);
-    for (std::size_t i = task.begin; i < task.end; i += lanes) {
-      work.fetch(i + lanes);
-      work.group(i);
-    }
+    for (std::size_t i = task.begin; i < task.end; i += lanes) work.group(i);
   }
 
  private:
@@ -43,7 +40,7 @@ class Lanes {
     }
   };
 
-  // Asks for the particles of the targets i, i + 1, ... while others are being worked on.
+  // Asks for the particles of the targets i, i + 1, ..., to arrive while others are worked on.
   void fetch(std::size_t i) {
     const std::size_t end = i + lanes < task_.end ? i + lanes : task_.end;
     for (std::int64_t e = i < end ? task_.offsets[i] : 0; i < end && e < task_.offsets[end]; ++e)
@@ -72,6 +69,7 @@ class Lanes {
     if (most == 0) return;
     stencil_.start(x, rho, most, present);
     for (int l = 0; l < lanes; ++l) gather(l, most, x);
+    fetch(i + lanes);
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
     const MaskOf<T> safe = fit_.fit(cloud);

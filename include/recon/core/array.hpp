@@ -1,19 +1,47 @@
-// A std::vector whose new elements are not set to zero: for large results that are written in full,
-// by the threads that compute them.
+// A std::vector for large results: new elements are not set to zero (they are written in full, by
+// the threads that compute them), and where the system can it gets large pages, so that the first
+// write to each does not cost more than the computation.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <new>
 #include <utility>
 #include <vector>
 
 namespace recon {
 
+namespace detail {
+
+constexpr std::size_t large_allocation = std::size_t{2} << 20;  // bytes, from which pages matter
+
+// Throws std::bad_alloc.
+void* allocate_large(std::size_t bytes);
+void deallocate_large(void* memory) noexcept;
+
+}  // namespace detail
+
 template <class T>
-struct UninitialisedAllocator : std::allocator<T> {
+struct ArrayAllocator {
+  using value_type = T;
+
+  ArrayAllocator() = default;
   template <class U>
-  struct rebind {
-    using other = UninitialisedAllocator<U>;
-  };
+  ArrayAllocator(const ArrayAllocator<U>&) {}
+
+  T* allocate(std::size_t n) {
+    if (n > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
+    const std::size_t bytes = n * sizeof(T);
+    return static_cast<T*>(bytes < detail::large_allocation ? ::operator new(bytes)
+                                                            : detail::allocate_large(bytes));
+  }
+  void deallocate(T* memory, std::size_t n) noexcept {
+    if (n * sizeof(T) < detail::large_allocation)
+      ::operator delete(memory);
+    else
+      detail::deallocate_large(memory);
+  }
+
   template <class U>
   void construct(U* at) {
     ::new (static_cast<void*>(at)) U;
@@ -22,9 +50,11 @@ struct UninitialisedAllocator : std::allocator<T> {
   void construct(U* at, Arguments&&... arguments) {
     ::new (static_cast<void*>(at)) U(std::forward<Arguments>(arguments)...);
   }
+
+  friend bool operator==(const ArrayAllocator&, const ArrayAllocator&) { return true; }
 };
 
 template <class T>
-using Array = std::vector<T, UninitialisedAllocator<T>>;
+using Array = std::vector<T, ArrayAllocator<T>>;
 
 }  // namespace recon
