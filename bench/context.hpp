@@ -15,8 +15,8 @@ struct Context {
   std::filesystem::path out = "out/bench";
 };
 
-// One part of the report: a title, a few sentences, tables and pictures (file names in Context::out,
-// without suffix: <name>.png and <name>.svg).
+// One part of the report: a title, a few sentences, tables and pictures (file names in
+// Context::out, without suffix: <name>.png and <name>.svg).
 struct Section {
   std::string title, text;
   std::vector<Table> tables;
