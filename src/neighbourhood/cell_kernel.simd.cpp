@@ -70,27 +70,44 @@ inline void take(Gathered<S>& out, const Pack<S>& distance2, const Pack<S>& meas
 }
 #endif
 
-// The particles first..end - 1 that are near enough.
+// Of the particles first..first + left - 1, as many as fit a vector, those that are near enough.
 template <class S, int D, bool cube>
-inline void gather_stretch(const CellView<S>& cells, const S* x, S limit, std::int64_t first,
-                           std::int64_t end, Gathered<S>& out) {
+inline void gather_vector(const CellView<S>& cells, const S* x, S limit, std::int64_t first,
+                          std::int64_t left, Gathered<S>& out) {
   using P = Pack<S>;
-  constexpr int lanes = LaneTraits<P>::lanes;
-  // A first round without a condition: most stretches are shorter than a vector, few are empty.
-  std::int64_t p = first;
-  do {
-    P sum(S(0)), farthest(S(0));
-    for (int d = 0; d < D; ++d) {
-      const P gap = P(x[d]) - P(cells.x[d] + p, std::experimental::element_aligned);
-      if (cube) {
-        const P size = select(gap > P(S(0)), gap, -gap);
-        farthest = select(size > farthest, size, farthest);
-      }
-      sum = d == 0 ? gap * gap : sum + gap * gap;
+  P sum(S(0)), farthest(S(0));
+  for (int d = 0; d < D; ++d) {
+    const P gap = P(x[d]) - P(cells.x[d] + first, std::experimental::element_aligned);
+    if (cube) {
+      const P size = select(gap > P(S(0)), gap, -gap);
+      farthest = select(size > farthest, size, farthest);
     }
-    take(out, sum, cube ? farthest : sum, limit, end - p, cells.index + p);
-    p += lanes;
-  } while (p < end);
+    sum = d == 0 ? gap * gap : sum + gap * gap;
+  }
+  take(out, sum, cube ? farthest : sum, limit, left, cells.index + first);
+}
+
+// Vectors of particles still to be looked at. They are listed first and looked at together, because
+// how many there are in a row cannot be predicted: the processor would guess wrong in every row.
+struct Vectors {
+  static constexpr int most = 96;
+  int count = 0;
+  std::int64_t first[most], left[most];
+
+  // If the condition holds; without a branch.
+  void add_if(bool condition, std::int64_t at, std::int64_t particles) {
+    first[count] = at;
+    left[count] = particles;
+    count += condition;
+  }
+};
+
+template <class S, int D, bool cube>
+inline void gather_listed(const CellView<S>& cells, const S* x, S limit, Vectors& listed,
+                          Gathered<S>& out) {
+  for (int v = 0; v < listed.count; ++v)
+    gather_vector<S, D, cube>(cells, x, limit, listed.first[v], listed.left[v], out);
+  listed.count = 0;
 }
 
 // How far x is at least from particles in cell `at` of axis d.
@@ -126,27 +143,39 @@ inline GatherResult gather(const CellView<S>& cells, const S* x, S radius, Gathe
     from[d] = cell_on_axis(at[d] - half, cells.lower[d], cells.inverse, cells.counts[d]);
     to[d] = cell_on_axis(at[d] + half, cells.lower[d], cells.inverse, cells.counts[d]);
   }
+  constexpr std::int64_t lanes = LaneTraits<Pack<S>>::lanes;
+  const std::int64_t start = out.count;
+  Vectors listed;
+  std::int64_t particles = 0;  // in the stretches so far: at most so many are found
   for (std::int64_t k = from[2]; k <= to[2]; ++k) {
     const double gap_z = D > 2 ? gap_to_cell(cells, 2, at[2], k, slack[2]) : 0;
     const double left_z = reach2 - gap_z * gap_z;
     for (std::int64_t j = from[1]; j <= to[1]; ++j) {
       const double gap_y = D > 1 ? gap_to_cell(cells, 1, at[1], j, slack[1]) : 0;
       const double left = left_z - gap_y * gap_y;
-      if (!cube && !(left >= 0)) continue;
-      const double half = (cube ? reach : std::sqrt(left)) * (1 + 4 * eps) + slack[0];
+      const double chord = cube ? reach : std::sqrt(left > 0 ? left : 0);
+      const double half = chord * (1 + 4 * eps) + slack[0];
       const std::int64_t row = row_of_cells(cells.counts, j, k);
       const std::int64_t a =
           cell_on_axis(at[0] - half, cells.lower[0], cells.inverse, cells.counts[0]);
       const std::int64_t b =
           cell_on_axis(at[0] + half, cells.lower[0], cells.inverse, cells.counts[0]);
-      const std::int64_t first = cells.first[row + a], end = cells.first[row + b + 1];
-      out.work += work_of_a_row + (end - first);
+      const std::int64_t first = cells.first[row + a];
+      const std::int64_t all = cells.first[row + b + 1] - first;
+      const std::int64_t length = cube || left >= 0 ? all : 0;
+      particles += length;
+      out.work += work_of_a_row + length;
       if (out.work > out.work_limit && out.work / 16 > out.count)
         return GatherResult::too_much_work;
-      if (out.count + (end - first) + 16 > out.capacity) return GatherResult::no_room;
-      gather_stretch<S, D, cube>(cells, x, limit, first, end, out);
+      if (start + particles + 16 > out.capacity) return GatherResult::no_room;
+      listed.add_if(length > 0, first, length);
+      listed.add_if(length > lanes, first + lanes, length - lanes);
+      for (std::int64_t done = 2 * lanes; done < length; done += lanes)
+        gather_vector<S, D, cube>(cells, x, limit, first + done, length - done, out);
+      if (listed.count > Vectors::most - 3) gather_listed<S, D, cube>(cells, x, limit, listed, out);
     }
   }
+  gather_listed<S, D, cube>(cells, x, limit, listed, out);
   return GatherResult::complete;
 }
 

@@ -12,7 +12,7 @@ namespace recon::detail {
 
 namespace {
 
-constexpr double particles_per_cell = 2;
+constexpr double particles_per_cell = 3;
 constexpr std::size_t targets_per_block = 512;
 
 // A rule in the form that the search works with.
@@ -141,7 +141,7 @@ struct Shared {
     const double unit_ball = axes == 1 ? 2.0 : axes == 2 ? 3.14 : 4.19;
     start = static_cast<double>(spacing) * std::pow(std::max(k, 1.0) / unit_ball, 1.0 / axes);
     // Evenly spread particles in a ball that holds m on average number m +- sqrt(m).
-    widening = std::pow((k + 2.2 * std::sqrt(k) + 1) / std::max(k, 1.0), 1.0 / axes);
+    widening = std::pow((k + 1.6 * std::sqrt(k) + 1) / std::max(k, 1.0), 1.0 / axes);
     least_period = std::numeric_limits<double>::infinity();
     for (int d = 0; d < D; ++d)
       if (domain.periodic[d])
