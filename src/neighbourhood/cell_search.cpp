@@ -510,8 +510,8 @@ NeighbourList<S> find_all(Shared<S, D>& shared) {
   const SortedPoints<S, D>& order = same ? cells.sorted() : own;
 
   NeighbourList<S> list;
-  list.offsets.assign(count + 1, 0);
-  list.support.resize(count);
+  resize_in_parallel(list.offsets, count + 1, threads);
+  resize_in_parallel(list.support, count, threads);
   const auto resize = [&](std::size_t entries) {
     resize_in_parallel(list.indices, entries, threads);
     if (periodic) resize_in_parallel(list.shifts, entries, threads);
