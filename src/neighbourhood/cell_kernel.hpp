@@ -52,12 +52,13 @@ struct Gathered {
   std::uint32_t* index;
   std::int64_t count = 0, capacity = 0;
   std::int64_t work = 0, work_limit = INT64_MAX;
+  std::int64_t work_per_found = 0;  // what each particle found adds to the work, or excuses
 };
 enum class GatherResult { complete, no_room, too_much_work };
 
 // Adds all particles with squared_distance(x, p) <= radius * radius (ball), or with
 // |x_d - p_d| <= radius on every axis (cube), in no particular order. Stops when the work exceeds
-// its limit and 16 times what was found.
+// its limit.
 #define RECON_CELL_KERNELS                                                                    \
   template <class S, int D>                                                                   \
   GatherResult gather_ball(const CellView<S>& cells, const S* x, S radius, Gathered<S>& out); \

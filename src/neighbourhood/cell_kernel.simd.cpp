@@ -165,7 +165,7 @@ inline GatherResult gather(const CellView<S>& cells, const S* x, S radius, Gathe
       const std::int64_t length = cube || left >= 0 ? all : 0;
       particles += length;
       out.work += work_of_a_row + length;
-      if (out.work > out.work_limit && out.work / 16 > out.count)
+      if (out.work + out.work_per_found * out.count > out.work_limit)
         return GatherResult::too_much_work;
       if (start + particles + 16 > out.capacity) return GatherResult::no_room;
       listed.add_if(length > 0, first, length);

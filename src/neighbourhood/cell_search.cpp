@@ -160,6 +160,8 @@ class CellTargets {
 
   explicit CellTargets(Shared<S, D>& shared)
       : shared_(shared), images_(shared.domain, shared.particles.box()), near_(shared.start) {
+    // Candidates too many have to be sorted out; neighbours are what a radius asks for.
+    out_.work_per_found = shared.question.nearest ? 12 : -16;
     make_room(512);
   }
 
@@ -190,7 +192,7 @@ class CellTargets {
     S rho = 0;
     const Outcome outcome =
         shared_.question.nearest ? nearest(target, rho) : all_within(target, rho);
-    shared_.tree.add(out_.work);
+    shared_.tree.add(out_.work + out_.work_per_found * out_.count);
     if (outcome == Outcome::too_much_work) {
       skip_ = next_skip_;
       next_skip_ = std::min(2 * next_skip_ + 1, 63);
@@ -338,7 +340,7 @@ class CellTargets {
     const auto now = static_cast<double>(radius);
     if (count > 0) {
       const double ratio = 1.5 * static_cast<double>(k) / static_cast<double>(count);
-      return static_cast<S>(now * std::clamp(std::pow(ratio, 1.0 / shared_.axes), 1.25, 3.0));
+      return static_cast<S>(now * std::clamp(std::pow(ratio, 1.0 / shared_.axes), 1.25, 1.6));
     }
     double outside2 = 0;  // at least to the box of the particles, and somewhat into it
     for (int d = 0; d < D; ++d) {
@@ -346,7 +348,7 @@ class CellTargets {
       const S outside = std::max({S(0), box.lower[d] - x_[d], x_[d] - box.upper[d]});
       outside2 += static_cast<double>(outside) * static_cast<double>(outside);
     }
-    return static_cast<S>(std::max(3 * now, std::sqrt(outside2) + shared_.start));
+    return static_cast<S>(std::max(1.6 * now, std::sqrt(outside2) + shared_.start));
   }
 
   // The k-th distance of the next target is likely that of the last ones.
@@ -443,7 +445,7 @@ class CellTargets {
     return rho;
   }
 
-  static constexpr int most_tries = 24;
+  static constexpr int most_tries = 40;
 
   Shared<S, D>& shared_;
   PeriodicImages<S, D> images_;
