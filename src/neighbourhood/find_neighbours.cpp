@@ -1,5 +1,6 @@
 #include "recon/neighbourhood/find_neighbours.hpp"
 
+#include "neighbourhood/cell_search.hpp"
 #include "recon/neighbourhood/brute_force.hpp"
 #include "recon/neighbourhood/cell_grid.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
@@ -12,9 +13,9 @@ namespace {
 
 constexpr std::size_t few_particles = 32;  // brute force is the fastest up to about here
 
-SearchMethod chosen(SearchMethod method, const NeighbourRule& rule, std::size_t particles) {
+// For the questions that the batch search by cells does not cover.
+SearchMethod chosen(SearchMethod method, const NeighbourRule& rule) {
   if (method != SearchMethod::automatic) return method;
-  if (particles <= few_particles) return SearchMethod::brute_force;
   return std::holds_alternative<Radius>(rule) ? SearchMethod::cell_grid : SearchMethod::kd_tree;
 }
 
@@ -32,7 +33,15 @@ NeighbourList<Scalar> find(const PointCloud<Scalar>& particles, const PointCloud
   const auto with = [&](const auto& search) {
     return find_neighbours_with(search, particles, targets, rule, domain, options);
   };
-  switch (chosen(options.search, rule, particles.size())) {
+  const bool automatic = options.search == SearchMethod::automatic;
+  if (automatic && particles.size() <= few_particles) return with(BruteForce<Scalar, D>(particles));
+  if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
+      detail::covered_by_cells(rule, options)) {
+    auto list = detail::find_by_cells<D>(particles, targets, rule, domain, options, automatic);
+    if (list) return *std::move(list);
+    return with(KdTree<Scalar, D>(particles));
+  }
+  switch (chosen(options.search, rule)) {
     case SearchMethod::cell_grid:
       return with(cell_grid<Scalar, D>(particles, rule));
     case SearchMethod::r_tree:
@@ -52,6 +61,7 @@ NeighbourList<Scalar> find_neighbours(const PointCloud<Scalar>& particles,
                                       const PeriodicDomain<Scalar>& domain,
                                       const NeighbourOptions& options) {
   detail::require_valid_rule<Scalar>(rule, targets.size());  // before a search is built for it
+  static_cast<void>(resolved(options.instruction_set));
   switch (particles.dimension()) {
     case 1:
       return find<1>(particles, targets, rule, domain, options);

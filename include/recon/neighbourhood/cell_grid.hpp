@@ -1,8 +1,8 @@
 // Neighbour search with a regular grid of cells: the fastest for evenly spread particles.
 //
-// Semantics in search.hpp. The points are copied, sorted by cell (counting sort), in O(n). `within`
-// and `in_box` visit the cells that the ball or box overlaps; `nearest` visits shells of cells
-// around the point until no unvisited cell can hold anything nearer.
+// Semantics in search.hpp. The points are copied, sorted by cell (counting sort), in O(n), in
+// parallel. `within` and `in_box` visit the cells that the ball or box overlaps; `nearest` visits
+// shells of cells around the point until no unvisited cell can hold anything nearer.
 //
 // The cell size is a length. Without one, cells hold a few particles on average over their
 // bounding box. Half the radius you will ask for is a good choice, and the radius itself is fine.
@@ -10,6 +10,9 @@
 // ones than asked for if need be. So one stray particle far away, or a cloud in tiny clusters, puts
 // nearly all particles in a few cells, and queries cost up to O(n) there: still right, only slow.
 // KdTree is the choice for those.
+//
+// find_neighbours with SearchMethod::cell_grid sorts in the same way, but treats many targets at a
+// time, which is far faster than asking this class for one after another.
 //
 // Wrong input (a query point or radius that is not finite, a negative radius, a cell size that is
 // not positive and finite, points of another dimension) throws InvalidArgument; k = 0 and an empty
@@ -23,6 +26,11 @@
 
 namespace recon {
 
+namespace detail {
+template <class S, int D>
+class Cells;
+}
+
 template <class S, int D>
 class CellGrid {
  public:
@@ -32,7 +40,7 @@ class CellGrid {
   static constexpr int dimension = D;
 
   explicit CellGrid(const PointCloud<Scalar>& points);  // cell size from the density
-  CellGrid(const PointCloud<Scalar>& points, double cell_size);
+  CellGrid(const PointCloud<Scalar>& points, double cell_size, int threads = 0);
   CellGrid(CellGrid&&) noexcept;
   CellGrid& operator=(CellGrid&&) noexcept;
   ~CellGrid();
@@ -45,6 +53,9 @@ class CellGrid {
   void nearest(const Point& x, std::size_t k, Found& found) const;
   void nearest_within(const Point& x, std::size_t k, Scalar radius, Found& found) const;
   void in_box(const Point& lower, const Point& upper, Found& found) const;
+
+  // What the batch search reads; complete in the compiled part of recon only.
+  const detail::Cells<Scalar, D>& sorted_cells() const;
 
  private:
   struct Grid;

@@ -10,8 +10,8 @@
 // cube, and Nearest the k nearest with rho = factor * the largest distance along an axis.
 //
 // Order: Radius and Radii list by ascending (index, shift); the nearest rules by ascending
-// (distance, index, shift). The result depends neither on the search method nor on the number of
-// threads, to the bit.
+// (distance, index, shift). The result depends neither on the search method nor on the instruction
+// set nor on the number of threads, to the bit.
 //
 // Periodic domains: every image of a particle counts, so a particle can be listed several times
 // with different shifts, and supports may exceed the period. The image of p with shift s is at
@@ -25,6 +25,8 @@
 // rho is r, or for Nearest the mean spacing, else 1.
 //
 // Cost: building the search, then one query per target (per image that can reach the particles).
+// The fastest are evenly spread particles (their density may vary by a factor of 100 or so), in any
+// order; a particle cloud that is its own targets saves the sorting of targets.
 #pragma once
 
 #include <cstddef>
@@ -32,6 +34,7 @@
 #include <span>
 #include <variant>
 
+#include "recon/core/instruction_set.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/domain.hpp"
 #include "recon/points/point_cloud.hpp"
@@ -56,8 +59,8 @@ using NeighbourRule = std::variant<Radius, Radii, Nearest, NearestWithin>;
 
 enum class SupportShape { ball, cube };
 
-// automatic: the cell grid for one radius, the k-d tree for everything else, brute force for few
-// particles.
+// automatic: brute force for few particles, else the cell grid, in batches of targets; the k-d tree
+// where particles are too uneven for cells, and for the k nearest with visibility or in a cube.
 enum class SearchMethod { automatic, kd_tree, r_tree, cell_grid, brute_force };
 
 // May this particle be a neighbour of this target? Called concurrently, possibly more than once for
@@ -67,8 +70,9 @@ using Visibility = std::function<bool(std::size_t target, std::size_t particle)>
 struct NeighbourOptions {
   SupportShape shape = SupportShape::ball;
   SearchMethod search = SearchMethod::automatic;
-  Visibility visible{};  // empty: every particle is
-  int threads = 0;       // 0: default_threads()
+  Visibility visible{};                                        // empty: every particle is
+  int threads = 0;                                             // 0: default_threads()
+  InstructionSet instruction_set = InstructionSet::automatic;  // of the search by cells
 };
 
 // Throws InvalidArgument for rules with values outside their range, radii that are not one per

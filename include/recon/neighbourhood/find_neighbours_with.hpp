@@ -2,8 +2,9 @@
 //
 // The search must hold the same particles as the cloud, under the same indices; find_neighbours.hpp
 // says what the result is. The compiled find_neighbours is this template with the searches of
-// recon, so there is one implementation. Targets are treated in blocks with buffers of their own,
-// which are then joined in order: the number of threads cannot change the result.
+// recon, but for the cell grid, which treats many targets at a time. Targets are treated in blocks
+// with buffers of their own, which are then joined in order: the number of threads cannot change
+// the result.
 #pragma once
 
 #include <algorithm>
@@ -54,6 +55,18 @@ void require_in_domain(const Box<Scalar>& box, const PeriodicDomain<Scalar>& dom
     require(box.lower[d] >= domain.lower[d], name, box.lower[d], "must lie in the periodic domain");
     require(box.upper[d] <= domain.upper[d], name, box.upper[d], "must lie in the periodic domain");
   }
+}
+
+// Throws InvalidArgument unless rule, clouds and domain are as find_neighbours.hpp asks for.
+template <class Scalar>
+void require_valid_question(const PointCloud<Scalar>& particles, const PointCloud<Scalar>& targets,
+                            const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain) {
+  require(targets.dimension() == particles.dimension(), "dimension of the targets",
+          targets.dimension(), "must be the dimension of the particles");
+  require_valid_rule<Scalar>(rule, targets.size());
+  domain.validate(particles.dimension());
+  require_in_domain(particles.box(), domain, "particle coordinate");
+  require_in_domain(targets.box(), domain, "target coordinate");
 }
 
 // (volume / particles)^(1 / axes) over the axes with an extent; 1 where there is none.
@@ -293,14 +306,9 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
   using Scalar = typename S::Scalar;
   require(particles.dimension() == S::dimension, "dimension of the particles",
           particles.dimension(), "must be the dimension of the search");
-  require(targets.dimension() == S::dimension, "dimension of the targets", targets.dimension(),
-          "must be the dimension of the particles");
   require(search.size() == particles.size(), "particles in the search", search.size(),
           "must be as many as in the cloud");
-  detail::require_valid_rule<Scalar>(rule, targets.size());
-  domain.validate(S::dimension);
-  detail::require_in_domain(particles.box(), domain, "particle coordinate");
-  detail::require_in_domain(targets.box(), domain, "target coordinate");
+  detail::require_valid_question(particles, targets, rule, domain);
 
   struct Block {
     std::vector<ParticleIndex> indices;

@@ -1,0 +1,40 @@
+// The neighbours of all targets at once, by cells: find_neighbours for evenly spread particles.
+//
+// Particles and targets are sorted by cell, so that targets treated one after another look at the
+// same few kilobytes of particles. Of the cells that a ball (or cube) overlaps, vector instructions
+// pick the particles inside (cell_kernel.hpp). For the k nearest the ball is a guess from the k-th
+// distance of the targets before, a little larger; where it holds fewer than k it grows. What is
+// inside is put in order by counting for each how many come before it. A guess can only cost time:
+// the result is that of find_neighbours.hpp to the bit.
+//
+// Covered: Radius, Radii and Nearest with both shapes, NearestWithin with the ball, in periodic
+// domains too. Not covered, and left to find_neighbours_with.hpp: visibility, NearestWithin with
+// the cube. Its functions also serve single targets here: those that coincide with all their
+// neighbours, and those whose k nearest reach farther than a period.
+//
+// Where particles are too many to a cell, or targets lie in great voids, a target costs more than
+// it would with a k-d tree. If `may_build_tree`, such work is added up; once it has cost as much as
+// building a tree, one is built, and serves the targets that are too much work from then on. A
+// cloud that is too uneven from the start is refused: the answer is empty then.
+//
+// Cost: O(particles + cells + targets) for sorting, then per target what lies around it.
+#pragma once
+
+#include <optional>
+
+#include "recon/neighbourhood/find_neighbours.hpp"
+
+namespace recon::detail {
+
+// Is this a question that find_by_cells answers? (There must be a particle, too.)
+bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options);
+
+template <int D, class Scalar>
+std::optional<NeighbourList<Scalar>> find_by_cells(const PointCloud<Scalar>& particles,
+                                                   const PointCloud<Scalar>& targets,
+                                                   const NeighbourRule& rule,
+                                                   const PeriodicDomain<Scalar>& domain,
+                                                   const NeighbourOptions& options,
+                                                   bool may_build_tree);
+
+}  // namespace recon::detail
