@@ -8,7 +8,7 @@ namespace recon {
 
 // w[i] = w(q[i]) and, unless `slope` is null, slope[i] = w'(q[i]), 0 where q[i] >= 1. The first
 // argument is not used. Null for a weight that is not an enumerator.
-RECON_FOR_EACH_SET(template <class Scalar>
-                   WeightFunction::Function<Scalar> weight_function(Weight weight))
+RECON_FOR_EACH_SET(
+    template <class Scalar> WeightFunction::Function<Scalar> weight_function(Weight weight))
 
 }  // namespace recon
