@@ -35,7 +35,8 @@ function(recon_add_simd_sources library)
     target_compile_features(${objects} PRIVATE cxx_std_20)
     target_include_directories(${objects} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/include ${CMAKE_CURRENT_SOURCE_DIR}/src)
     recon_set_compile_options(${objects})
-    target_compile_options(${objects} PRIVATE ${RECON_FLAGS_${set}})
+    target_compile_options(${objects} PRIVATE ${RECON_FLAGS_${set}}
+      "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-uninitialized>")  # g++ 12 complains of its own AVX-512 headers
     target_compile_definitions(${objects} PRIVATE RECON_SET=${set} ${RECON_SET_DEFINITIONS})
     target_sources(${library} PRIVATE $<TARGET_OBJECTS:${objects}>)
   endforeach()

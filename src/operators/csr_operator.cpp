@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "recon/core/error.hpp"
@@ -13,28 +14,28 @@ namespace {
 
 constexpr std::size_t rows_per_block = 1024;
 
-// The field as one array, point-major, checked to be finite. Points in `skip` (ascending) are
-// zeroed instead.
+// The field as one array in the order of `point_of` (empty: its own), point-major, checked to be
+// finite. Places in `skip` (ascending) are zeroed instead.
 template <class Scalar>
-std::vector<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32_t> skip,
-                           int threads) {
+Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32_t> point_of,
+                     std::span<const std::uint32_t> skip, int threads) {
   const int components = field.components();
-  std::vector<Scalar> values(field.size() * static_cast<std::size_t>(components));
+  Array<Scalar> values(field.size() * static_cast<std::size_t>(components));
   parallel_blocks(
       field.size(), 16 * rows_per_block, threads, [&](std::size_t begin, std::size_t end) {
         auto skipped = std::lower_bound(skip.begin(), skip.end(), begin);
+        Scalar* to = values.data() + begin * static_cast<std::size_t>(components);
         for (std::size_t i = begin; i < end; ++i) {
-          if (skipped != skip.end() && *skipped == i) {
-            ++skipped;
-            continue;
-          }
+          const bool skips = skipped != skip.end() && *skipped == i;
+          skipped += skips;
+          const std::size_t point = point_of.empty() ? i : point_of[i];
           for (int c = 0; c < components; ++c) {
-            const Scalar value = field(i, c);
+            const Scalar value = skips ? Scalar(0) : field(point, c);
             if (!std::isfinite(value)) [[unlikely]]
-              detail::throw_invalid(
-                  "component " + std::to_string(c) + " of the field at point " + std::to_string(i),
-                  value, "must be finite");
-            values[i * static_cast<std::size_t>(components) + c] = value;
+              detail::throw_invalid("component " + std::to_string(c) + " of the field at point " +
+                                        std::to_string(point),
+                                    value, "must be finite");
+            *to++ = value;
           }
         }
       });
@@ -72,8 +73,20 @@ void row_sums(int components, const Scalar* values, const ParticleIndex* indices
 }  // namespace
 
 template <class Scalar>
+std::size_t SparsityPattern<Scalar>::row(std::size_t target) const {
+  if (target_of.empty()) return target;
+  std::call_once(once_row_of_, [this] {
+    std::vector<std::uint32_t> places(target_of.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+      places[target_of[i]] = static_cast<std::uint32_t>(i);
+    row_of_ = std::move(places);
+  });
+  return row_of_[target];
+}
+
+template <class Scalar>
 const typename SparsityPattern<Scalar>::Transposed& SparsityPattern<Scalar>::transposed() const {
-  std::call_once(once_, [this] {
+  std::call_once(once_transposed_, [this] {
     const std::vector<ParticleIndex>& indices = neighbours.indices;
     Transposed t;
     t.offsets.assign(columns + 1, 0);
@@ -95,7 +108,7 @@ const typename SparsityPattern<Scalar>::Transposed& SparsityPattern<Scalar>::tra
 
 template <class Scalar>
 CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> pattern,
-                                 std::vector<Scalar> values, int blocks, Scalar fill, int threads)
+                                 Array<Scalar> values, int blocks, Scalar fill, int threads)
     : pattern_(std::move(pattern)),
       values_(std::move(values)),
       blocks_(blocks),
@@ -103,6 +116,15 @@ CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> 
       threads_(threads) {
   require(values_.size() == pattern_->neighbours.indices.size() * static_cast<std::size_t>(blocks),
           "values of the operator", values_.size(), "must be blocks numbers per entry");
+}
+
+template <class Scalar>
+std::vector<std::uint32_t> CsrOperator<Scalar>::empty_rows() const {
+  std::vector<std::uint32_t> targets;
+  for (const std::uint32_t row : pattern_->empty_rows)
+    targets.push_back(static_cast<std::uint32_t>(pattern_->target(row)));
+  std::sort(targets.begin(), targets.end());
+  return targets;
 }
 
 template <class Scalar>
@@ -114,20 +136,23 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
   const int width = field.components() * blocks_;
   require(out.components() == width, "components of the output", out.components(),
           "must be those of the field times the operator's blocks");
-  const std::vector<Scalar> in = gather<Scalar>(field, {}, threads_);
+  const SparsityPattern<Scalar>& pattern = *pattern_;
+  const Array<Scalar> in = gather<Scalar>(field, pattern.particle_of, {}, threads_);
 
   parallel_blocks(rows(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
     std::vector<Scalar> sums(width);
-    auto empty = std::lower_bound(empty_rows().begin(), empty_rows().end(), begin);
-    for (std::size_t t = begin; t < end; ++t) {
-      if (empty != empty_rows().end() && *empty == t) {
+    auto empty = std::lower_bound(pattern.empty_rows.begin(), pattern.empty_rows.end(), begin);
+    for (std::size_t row = begin; row < end; ++row) {
+      const std::size_t t = pattern.target(row);
+      if (empty != pattern.empty_rows.end() && *empty == row) {
         ++empty;
         for (int i = 0; i < width; ++i) out(t, i) = fill_;
         continue;
       }
-      const std::int64_t first = offsets()[t], last = offsets()[t + 1];
+      const std::int64_t first = pattern.neighbours.offsets[row],
+                         last = pattern.neighbours.offsets[row + 1];
       const Scalar* values = values_.data();
-      const ParticleIndex* index = pattern_->neighbours.indices.data();
+      const ParticleIndex* index = pattern.neighbours.indices.data();
       switch (blocks_) {
         case 1:
           row_sums<1>(field.components(), values, index, first, last, in.data(), sums.data());
@@ -159,20 +184,22 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
           "must be the number of particles");
   require(out.components() == components, "components of the output", out.components(),
           "must be those of the field divided by the operator's blocks");
-  const std::vector<Scalar> in = gather<Scalar>(field, empty_rows(), threads_);
-  const auto& columns_of = pattern_->transposed();
+  const SparsityPattern<Scalar>& pattern = *pattern_;
+  const Array<Scalar> in = gather<Scalar>(field, pattern.target_of, pattern.empty_rows, threads_);
+  const auto& columns_of = pattern.transposed();
   const auto stride = static_cast<std::size_t>(field.components());
 
   parallel_blocks(columns(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
     std::vector<Scalar> sums(components);
-    for (std::size_t p = begin; p < end; ++p) {
+    for (std::size_t column = begin; column < end; ++column) {
       std::fill(sums.begin(), sums.end(), Scalar(0));
-      for (std::int64_t i = columns_of.offsets[p]; i < columns_of.offsets[p + 1]; ++i) {
+      for (std::int64_t i = columns_of.offsets[column]; i < columns_of.offsets[column + 1]; ++i) {
         const Scalar* value = values_.data() + columns_of.entries[i] * blocks_;
         const Scalar* f = in.data() + columns_of.rows[i] * stride;
         for (int c = 0; c < components; ++c)
           for (int b = 0; b < blocks_; ++b) sums[c] += value[b] * f[c * blocks_ + b];
       }
+      const ParticleIndex p = pattern.particle(column);
       for (int c = 0; c < components; ++c) out(p, c) = sums[c];
     }
   });

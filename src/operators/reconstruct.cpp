@@ -5,11 +5,14 @@
 
 #include "recon/basis/monomials.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/neighbourhood/find_neighbours_with.hpp"
+#include "recon/points/spatial_order.hpp"
 
 namespace recon {
 namespace {
 
 constexpr std::size_t targets_per_block = 256;
+constexpr std::size_t fewest_sorted = 512;  // below this, everything is in the cache anyway
 
 template <class Scalar>
 PeriodicDomain<Scalar> scaled(const PeriodicDomain<double>& domain,
@@ -29,10 +32,10 @@ PeriodicDomain<Scalar> scaled(const PeriodicDomain<double>& domain,
 template <class Scalar>
 PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name,
                           const PeriodicDomain<Scalar>& domain,
-                          const std::array<double, max_dimension>& stretch) {
+                          const std::array<double, max_dimension>& stretch, int threads) {
   const auto isotropic =
       std::all_of(stretch.begin(), stretch.end(), [](double s) { return s == 1; });
-  if (isotropic) return PointCloud<Scalar>(points, name, domain);
+  if (isotropic) return PointCloud<Scalar>(points, name, domain, threads);
   bounding_box(points, name);  // messages about bad coordinates speak of the caller's numbers
   std::array<std::vector<Scalar>, max_dimension> axes;
   for (int d = 0; d < points.dimension(); ++d) {
@@ -40,12 +43,7 @@ PointCloud<Scalar> gather(const PointsView<Scalar>& points, const char* name,
     for (std::size_t i = 0; i < points.size(); ++i)
       axes[d][i] = static_cast<Scalar>(static_cast<double>(points(i, d)) / stretch[d]);
   }
-  return PointCloud<Scalar>(points_of_axes(axes, points.dimension()), name, domain);
-}
-
-NeighbourOptions search_options(const Options& options) {
-  const auto shape = options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
-  return {shape, options.search, options.visible, options.threads};
+  return PointCloud<Scalar>(points_of_axes(axes, points.dimension()), name, domain, threads);
 }
 
 // The default rule: twice as many neighbours as terms, plus one.
@@ -75,10 +73,7 @@ NeighbourRule enlarged(const NeighbourRule& rule, double factor,
 template <class Scalar>
 PointCloud<Scalar> subset(const PointCloud<Scalar>& points,
                           const std::vector<std::size_t>& chosen) {
-  std::array<std::vector<Scalar>, max_dimension> axes;
-  for (int d = 0; d < points.dimension(); ++d)
-    for (const std::size_t i : chosen) axes[d].push_back(points(i, d));
-  return PointCloud<Scalar>(points_of_axes(axes, points.dimension()), "targets");
+  return points.permuted(std::vector<std::uint32_t>(chosen.begin(), chosen.end()));
 }
 
 // The list with the rows of `rows` (ascending targets) replaced by those of `other` that `take`
@@ -116,11 +111,16 @@ NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
 
 // What derivatives need later: the coordinates (divided by stretch, wrapped), the neighbours, the
 // choice.
+//
+// Unless the neighbours are given, particles and targets are sorted in space first: all work then
+// finds what it needs in the cache. From here to the operator, which puts fields in and results out
+// of that order, "target" and "particle" mean numbers in it.
 template <class Scalar>
 struct BasicReconstruction<Scalar>::Problem {
   PeriodicDomain<Scalar> domain;
   PointCloud<Scalar> particles, targets;
-  NeighbourList<Scalar> neighbours;  // until make_pattern() takes them
+  std::vector<std::uint32_t> target_of, particle_of;  // as in SparsityPattern
+  NeighbourList<Scalar> neighbours;                   // until make_pattern() takes them
   std::shared_ptr<const ShapeKernel<Scalar>> kernel;
   Scalar support_factor = 0, fill = 0;
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
@@ -129,26 +129,60 @@ struct BasicReconstruction<Scalar>::Problem {
   std::vector<std::uint32_t> nearest_rows;  // targets that have the value of the nearest particle
   std::shared_ptr<const SparsityPattern<Scalar>> pattern;
 
-  Problem(const PointsView<Scalar>& points, const PointsView<Scalar>& at, const Options& options) {
+  Problem(const PointsView<Scalar>& points, const PointsView<Scalar>& at, const Options& options,
+          bool sorted)
+      : threads(options.threads) {
     options.validate();
     require(points.dimension() == at.dimension(), "dimension of the targets", at.dimension(),
             "must be that of the points");
     domain = scaled<Scalar>(options.domain, options.stretch, points.dimension());
-    particles = gather(points, "points", domain, options.stretch);
-    targets = gather(at, "targets", domain, options.stretch);
+    particles = gather(points, "points", domain, options.stretch, threads);
+    targets = gather(at, "targets", domain, options.stretch, threads);
+    if (sorted) {
+      sort(particles, particle_of);
+      sort(targets, target_of);
+    }
     kernel = make_shape_kernel<Scalar>(
-        points.dimension(),
-        {options.degree, options.weight, options.form, options.solver, options.tolerances});
+        points.dimension(), {options.degree, options.weight, options.form, options.solver,
+                             options.tolerances, resolved(options.instruction_set)});
     for (int d = 0; d < max_dimension; ++d)
       axis_scale[d] = static_cast<Scalar>(1 / options.stretch[d]);
     fill = static_cast<Scalar>(options.fill_value);
     solver = options.solver;
-    threads = options.threads;
+  }
+
+  void sort(PointCloud<Scalar>& cloud, std::vector<std::uint32_t>& order) {
+    if (cloud.size() < fewest_sorted) return;
+    order = spatial_order(cloud, threads);
+    cloud = cloud.permuted(order, threads);
+  }
+
+  std::size_t caller_target(std::size_t t) const { return target_of.empty() ? t : target_of[t]; }
+
+  NeighbourOptions search_options(const Options& options) const {
+    NeighbourOptions search;
+    search.shape = options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
+    search.search = options.search;
+    search.threads = threads;
+    if (options.visible)
+      search.visible = [this, &visible = options.visible](std::size_t t, std::size_t p) {
+        return visible(caller_target(t), particle_of.empty() ? p : particle_of[p]);
+      };
+    return search;
+  }
+
+  // The rule for the targets in this order; `radii` keeps what it refers to.
+  NeighbourRule ordered(const NeighbourRule& rule, std::vector<double>& radii) const {
+    const Radii* given = std::get_if<Radii>(&rule);
+    if (!given || target_of.empty()) return rule;
+    radii.clear();
+    for (const std::uint32_t t : target_of) radii.push_back(given->radii[t]);
+    return Radii{radii};
   }
 
   // Fits the targets of a list; `values` per entry and `reports` per target.
-  void fit(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
-           std::vector<Scalar>& values, std::vector<FitReport>& reports) const {
+  void fit(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list, Array<Scalar>& values,
+           std::vector<FitReport>& reports) const {
     values.resize(list.indices.size());
     reports.resize(list.targets());
     const ShapeProblem<Scalar> problem{particles, at, list, domain, support_factor, axis_scale};
@@ -180,7 +214,7 @@ struct BasicReconstruction<Scalar>::Problem {
       const PointCloud<Scalar> at = subset(targets, missing);
       const auto list =
           find_neighbours(particles, at, enlarged(rule, factor, missing, radii), domain, larger);
-      std::vector<Scalar> values;
+      Array<Scalar> values;
       std::vector<FitReport> grown;
       fit(at, list, values, grown);
       std::vector<bool> take;
@@ -198,7 +232,7 @@ struct BasicReconstruction<Scalar>::Problem {
   }
 
   // Gives targets without support the nearest visible particle, with weight one.
-  void use_nearest(const NeighbourOptions& search, std::vector<Scalar>& values,
+  void use_nearest(const NeighbourOptions& search, Array<Scalar>& values,
                    std::vector<FitReport>& reports) {
     std::vector<std::size_t> lost;
     for (std::size_t t = 0; t < reports.size(); ++t)
@@ -213,7 +247,7 @@ struct BasicReconstruction<Scalar>::Problem {
     for (std::size_t i = 0; i < lost.size(); ++i) take.push_back(list.count(i) > 0);
     const NeighbourList<Scalar> before = std::move(neighbours);
     neighbours = with_rows(before, lost, list, take);
-    const std::vector<Scalar> fitted = std::move(values);
+    const Array<Scalar> fitted = std::move(values);
     values.assign(neighbours.indices.size(), Scalar(0));
     std::size_t next = 0;
     for (std::size_t t = 0; t < reports.size(); ++t) {
@@ -231,6 +265,8 @@ struct BasicReconstruction<Scalar>::Problem {
   void make_pattern(const std::vector<FitReport>& reports) {
     auto made = std::make_shared<SparsityPattern<Scalar>>();
     made->columns = particles.size();
+    made->target_of = std::move(target_of);
+    made->particle_of = std::move(particle_of);
     made->neighbours = std::move(neighbours);
     for (std::size_t t = 0; t < reports.size(); ++t)
       if (reports[t].status == FitStatus::no_support)
@@ -243,12 +279,15 @@ template <class Scalar>
 BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points,
                                                  const PointsView<Scalar>& at,
                                                  const Options& options) {
-  auto problem = std::make_shared<Problem>(points, at, options);
-  const NeighbourRule rule = resolved(options.neighbours, points.dimension(), options.degree);
+  const NeighbourRule asked = resolved(options.neighbours, points.dimension(), options.degree);
+  detail::require_valid_rule<Scalar>(asked, at.size());
+  auto problem = std::make_shared<Problem>(points, at, options, true);
+  std::vector<double> radii;
+  const NeighbourRule rule = problem->ordered(asked, radii);
   if (const auto* nearest = std::get_if<Nearest>(&rule))
     problem->support_factor = static_cast<Scalar>(nearest->factor);
   problem->neighbours = find_neighbours(problem->particles, problem->targets, rule, problem->domain,
-                                        search_options(options));
+                                        problem->search_options(options));
   fit(std::move(problem), options, &rule);
 }
 
@@ -257,7 +296,7 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
                                                  const PointsView<Scalar>& at,
                                                  NeighbourList<Scalar> neighbours,
                                                  const Options& options) {
-  auto problem = std::make_shared<Problem>(points, at, options);
+  auto problem = std::make_shared<Problem>(points, at, options, false);
   neighbours.validate(at.size(), points.size());
   require(!problem->domain.any() || neighbours.indices.empty() || !neighbours.shifts.empty(),
           "neighbours", "without shifts", "must have shifts in a periodic domain");
@@ -268,14 +307,20 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
 template <class Scalar>
 void BasicReconstruction<Scalar>::fit(std::shared_ptr<Problem> problem, const Options& options,
                                       const NeighbourRule* rule) {
-  std::vector<Scalar> values;
+  Array<Scalar> values;
   std::vector<FitReport> reports;
-  const NeighbourOptions search = search_options(options);
+  const NeighbourOptions search = problem->search_options(options);
   problem->fit(problem->targets, problem->neighbours, values, reports);
   if (rule && options.grow.steps > 0 && problem->grow(options, *rule, search, reports))
     problem->fit(problem->targets, problem->neighbours, values, reports);
   if (options.unsupported == Unsupported::nearest) problem->use_nearest(search, values, reports);
   problem->make_pattern(reports);
+  const auto& target_of = problem->pattern->target_of;
+  if (!target_of.empty()) {
+    std::vector<FitReport> of_targets(reports.size());
+    for (std::size_t i = 0; i < reports.size(); ++i) of_targets[target_of[i]] = reports[i];
+    reports = std::move(of_targets);
+  }
   reports_ = FitReports(std::move(reports), options.solver);
   values_ =
       CsrOperator<Scalar>(problem->pattern, std::move(values), 1, problem->fill, options.threads);
@@ -286,8 +331,7 @@ template <class Scalar>
 CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivative kind) const {
   const Problem& p = *problem_;
   const int blocks = second ? dimension() * (dimension() + 1) / 2 : dimension();
-  std::vector<Scalar> values(p.pattern->neighbours.indices.size() *
-                             static_cast<std::size_t>(blocks));
+  Array<Scalar> values(p.pattern->neighbours.indices.size() * static_cast<std::size_t>(blocks));
   const ShapeProblem<Scalar> problem{p.particles, p.targets,        p.pattern->neighbours,
                                      p.domain,    p.support_factor, p.axis_scale};
   parallel_blocks(p.targets.size(), targets_per_block, p.threads,
@@ -315,8 +359,28 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::hessian() const {
 }
 
 template <class Scalar>
-const NeighbourList<Scalar>& BasicReconstruction<Scalar>::neighbours() const {
-  return problem_->pattern->neighbours;
+NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
+  const SparsityPattern<Scalar>& pattern = *problem_->pattern;
+  const NeighbourList<Scalar>& list = pattern.neighbours;
+  if (pattern.target_of.empty() && pattern.particle_of.empty()) return list;
+  NeighbourList<Scalar> out;
+  out.indices.reserve(list.indices.size());
+  out.shifts.reserve(list.shifts.size());
+  for (std::size_t t = 0; t < list.targets(); ++t) {
+    const std::size_t row = pattern.row(t);
+    for (std::int64_t e = list.offsets[row]; e < list.offsets[row + 1]; ++e) {
+      out.indices.push_back(pattern.particle(list.indices[e]));
+      if (!list.shifts.empty()) out.shifts.push_back(list.shifts[e]);
+    }
+    out.offsets.push_back(static_cast<std::int64_t>(out.indices.size()));
+    out.support.push_back(list.support[row]);
+  }
+  return out;
+}
+
+template <class Scalar>
+Scalar BasicReconstruction<Scalar>::support(std::size_t target) const {
+  return problem_->pattern->neighbours.support[problem_->pattern->row(target)];
 }
 
 template <class Scalar>

@@ -4,6 +4,11 @@
 
 namespace recon {
 
+std::string coordinate_name(std::size_t point, int axis, const char* points) {
+  return std::string("coordinate ") + "xyz"[axis] + " of point " + std::to_string(point) +
+         " of the " + points;
+}
+
 template <class Scalar>
 Box<Scalar> bounding_box(const PointsView<Scalar>& points, const char* name) {
   const int dimension = points.dimension();
@@ -12,9 +17,7 @@ Box<Scalar> bounding_box(const PointsView<Scalar>& points, const char* name) {
     for (int d = 0; d < dimension; ++d) {
       const Scalar x = points(i, d);
       if (!std::isfinite(x))
-        detail::throw_invalid(std::string("coordinate ") + "xyz"[d] + " of point " +
-                                  std::to_string(i) + " of the " + name,
-                              x, "must be finite");
+        detail::throw_invalid(coordinate_name(i, d, name), x, "must be finite");
       box.add(d, x);
     }
   return box;

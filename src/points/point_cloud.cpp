@@ -2,23 +2,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
+
+#include "recon/core/parallel.hpp"
 
 namespace recon {
+namespace {
+
+constexpr std::size_t points_per_block = 16384;
+
+}  // namespace
 
 template <class Scalar>
 PointCloud<Scalar>::PointCloud(const PointsView<Scalar>& points, const char* name,
-                               const PeriodicDomain<Scalar>& domain)
-    : dimension_(points.dimension()), box_(bounding_box(points, name)) {
-  require(points.size() < 0xFFFFFFFFu, name, points.size(), "must be fewer than 2^32 - 1 points");
+                               const PeriodicDomain<Scalar>& domain, int threads)
+    : dimension_(points.dimension()),
+      size_(points.size()),
+      box_(Box<Scalar>::empty(points.dimension())) {
+  require(size_ < 0xFFFFFFFFu, name, size_, "must be fewer than 2^32 - 1 points");
   domain.validate(dimension_);
-  for (int d = 0; d < dimension_; ++d) {
-    axes_[d].resize(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) axes_[d][i] = domain.wrap(points(i, d), d);
-    if (domain.periodic[d] && points.size() > 0) {
-      box_.lower[d] = box_.upper[d] = axes_[d][0];
-      for (const Scalar x : axes_[d]) box_.add(d, x);
+  coordinates_.resize(size_ * static_cast<std::size_t>(dimension_));
+  std::vector<Box<Scalar>> boxes((size_ + points_per_block - 1) / points_per_block, box_);
+  parallel_blocks(size_, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+    Box<Scalar>& box = boxes[begin / points_per_block];
+    Scalar* to = coordinates_.data() + begin * static_cast<std::size_t>(dimension_);
+    for (std::size_t i = begin; i < end; ++i)
+      for (int d = 0; d < dimension_; ++d) {
+        const Scalar x = points(i, d);
+        if (!std::isfinite(x)) [[unlikely]]
+          detail::throw_invalid(coordinate_name(i, d, name), x, "must be finite");
+        *to = domain.wrap(x, d);
+        box.add(d, *to++);
+      }
+  });
+  for (const Box<Scalar>& box : boxes)
+    for (int d = 0; d < dimension_; ++d) {
+      box_.add(d, box.lower[d]);
+      box_.add(d, box.upper[d]);
     }
-  }
   // Distances are squared: a box whose diagonal overflows would make every comparison meaningless.
   Scalar diagonal = 0;
   for (int d = 0; d < dimension_ && !box_.is_empty(); ++d) {
@@ -27,6 +49,23 @@ PointCloud<Scalar>::PointCloud(const PointsView<Scalar>& points, const char* nam
   }
   require(std::isfinite(diagonal), name, diagonal,
           "must have coordinates whose squares can be represented");
+}
+
+template <class Scalar>
+PointCloud<Scalar> PointCloud<Scalar>::permuted(std::span<const std::uint32_t> order,
+                                                int threads) const {
+  PointCloud out;
+  out.dimension_ = dimension_;
+  out.size_ = order.size();
+  out.box_ = box_;
+  const auto stride = static_cast<std::size_t>(dimension_);
+  out.coordinates_.resize(order.size() * stride);
+  parallel_blocks(order.size(), points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t d = 0; d < stride; ++d)
+        out.coordinates_[i * stride + d] = coordinates_[order[i] * stride + d];
+  });
+  return out;
 }
 
 template class PointCloud<float>;

@@ -1,5 +1,8 @@
 // The shape-function kernel for one dimension; compiled once per scalar and dimension
 // (kernel_*.cpp).
+//
+// Targets go through the lanes first, several at a time (lanes.hpp). Those that need a closer look,
+// and all targets of the solvers that have no lanes, are treated one by one.
 #pragma once
 
 #include <algorithm>
@@ -8,23 +11,43 @@
 #include "recon/local_solve/local_solve.hpp"
 #include "recon/shape/shape_kernel.hpp"
 #include "recon/shape/stencil.hpp"
+#include "shape/lanes.hpp"
 
 namespace recon::detail {
 
 template <class Scalar, int D, int R>
 class Kernel final : public ShapeKernel<Scalar> {
+  using Basis = Monomials<D, R>;
+
  public:
-  explicit Kernel(const ShapeChoice& choice) : choice_(choice) {}
+  explicit Kernel(const ShapeChoice& choice)
+      : choice_(choice),
+        lanes_(RECON_DISPATCH(choice.instruction_set, lane_function<Scalar, D>)(R, choice.solver)),
+        weigh_(choice.weight.template function<Scalar>(choice.instruction_set)) {}
 
   void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                 const ShapeRows<Scalar>& rows) const override {
-    constexpr int seconds = D * (D + 1) / 2;
-    Stencil<Scalar, D> stencil;
-    LocalSolve<Scalar, Monomials<D, R>> solve(choice_.solver, choice_.tolerances);
-    std::vector<Scalar> values;
-    const bool slopes = rows.gradient && rows.kind == Derivative::exact;
+    std::vector<LaneReport> reports(end - begin);
+    if (lanes_) lanes_(lane_task(problem, begin, end, rows, reports.data()));
 
-    for (std::size_t t = begin; t < end; ++t) {
+    Single single(choice_);
+    for (std::size_t i = begin; i < end; ++i) {
+      const LaneReport& lane = reports[i - begin];
+      const FitReport report = lane.done ? report_of(lane) : single.evaluate(problem, i, rows);
+      if (rows.report) rows.report[i] = report;
+    }
+  }
+
+ private:
+  // One target after another.
+  class Single {
+   public:
+    explicit Single(const ShapeChoice& choice)
+        : choice_(choice), solve_(choice.solver, choice.tolerances) {}
+
+    FitReport evaluate(const ShapeProblem<Scalar>& problem, std::size_t t,
+                       const ShapeRows<Scalar>& rows) {
+      constexpr int seconds = D * (D + 1) / 2;
       const std::int64_t row = problem.neighbours.offsets[t],
                          row_end = problem.neighbours.offsets[t + 1];
       if (rows.value) std::fill(rows.value + row, rows.value + row_end, Scalar(0));
@@ -32,20 +55,19 @@ class Kernel final : public ShapeKernel<Scalar> {
       if (rows.hessian)
         std::fill(rows.hessian + row * seconds, rows.hessian + row_end * seconds, Scalar(0));
 
-      gather(problem, t, slopes, stencil);
-      const LocalCloud<Scalar, D> cloud = stencil.cloud();
-      const FitReport report = solve.fit(cloud);
-      if (rows.report) rows.report[t] = report;
-      if (report.rank == 0) continue;
+      gather(problem, t, rows.gradient && rows.kind == Derivative::exact);
+      const LocalCloud<Scalar, D> cloud = stencil_.cloud();
+      const FitReport report = solve_.fit(cloud);
+      if (report.rank == 0) return report;
 
       const int n = cloud.size;
-      values.resize(static_cast<std::size_t>(n) * jet_size(D));
+      values_.resize(static_cast<std::size_t>(n) * jet_size(D));
       const auto out =
-          ShapeArrays<Scalar, D>::in(values.data(), n, rows.kind, rows.gradient, rows.hessian);
-      solve.shape_functions(cloud, out);
+          ShapeArrays<Scalar, D>::in(values_.data(), n, rows.kind, rows.gradient, rows.hessian);
+      solve_.shape_functions(cloud, out);
 
       for (int p = 0; p < n; ++p) {
-        const std::int64_t entry = row + stencil.place(p);
+        const std::int64_t entry = row + stencil_.place(p);
         if (rows.value) rows.value[entry] = out.value[p];
         for (int d = 0; d < D && rows.gradient; ++d)
           rows.gradient[entry * D + d] = out.gradient[d][p] * problem.axis_scale[d];
@@ -55,31 +77,77 @@ class Kernel final : public ShapeKernel<Scalar> {
             rows.hessian[entry * seconds + i] =
                 out.hessian[i][p] * problem.axis_scale[a] * problem.axis_scale[b];
       }
+      return report;
     }
+
+   private:
+    void gather(const ShapeProblem<Scalar>& problem, std::size_t t, bool slopes) {
+      const auto& list = problem.neighbours;
+      const std::array<Scalar, D> x = problem.targets.template point<D>(t);
+      const ParticleIndex* index = list.indices.data() + list.offsets[t];
+      const int n = static_cast<int>(list.count(t));
+      stencil_.start(x, list.support[t], n);
+      for (int d = 0; d < D; ++d) {
+        const Scalar* axis = problem.particles.data() + d;
+        Scalar* offset = stencil_.offsets(d);
+        if (list.shifts.empty() || !problem.domain.periodic[d]) {
+          for (int p = 0; p < n; ++p) offset[p] = axis[std::size_t{index[p]} * D] - x[d];
+        } else {
+          const ImageShift* shift = list.shifts.data() + list.offsets[t];
+          const Scalar period = problem.domain.period(d);
+          for (int p = 0; p < n; ++p)
+            offset[p] = (axis[std::size_t{index[p]} * D] - x[d]) + shift[p][d] * period;
+        }
+      }
+      stencil_.weigh(choice_.weight, choice_.form, slopes, problem.support_factor);
+    }
+
+    const ShapeChoice& choice_;
+    Stencil<Scalar, D> stencil_;
+    LocalSolve<Scalar, Basis> solve_;
+    std::vector<Scalar> values_;
+  };
+
+  LaneTask<Scalar> lane_task(const ShapeProblem<Scalar>& problem, std::size_t begin,
+                             std::size_t end, const ShapeRows<Scalar>& rows,
+                             LaneReport* reports) const {
+    const NeighbourList<Scalar>& list = problem.neighbours;
+    LaneTask<Scalar> task;
+    for (int d = 0; d < D; ++d) {
+      if (problem.domain.periodic[d]) task.period[d] = problem.domain.period(d);
+    }
+    task.particles = problem.particles.data();
+    task.targets = problem.targets.data();
+    task.offsets = list.offsets.data();
+    task.indices = list.indices.data();
+    task.shifts = list.shifts.empty() ? nullptr : list.shifts.data();
+    task.support = list.support.data();
+    task.support_factor = problem.support_factor;
+    task.axis_scale = problem.axis_scale;
+    task.weigh = weigh_;
+    task.weight = choice_.weight.state();
+    task.form = choice_.form;
+    task.tolerances = choice_.tolerances;
+    task.begin = begin;
+    task.end = end;
+    task.rows = rows;
+    task.reports = reports;
+    return task;
   }
 
- private:
-  void gather(const ShapeProblem<Scalar>& problem, std::size_t t, bool slopes,
-              Stencil<Scalar, D>& stencil) const {
-    const auto& list = problem.neighbours;
-    const std::array<Scalar, D> x = problem.targets.template point<D>(t);
-    const ParticleIndex* index = list.indices.data() + list.offsets[t];
-    stencil.start(x, list.support[t], static_cast<int>(list.count(t)));
-    for (int d = 0; d < D; ++d) {
-      const Scalar* axis = problem.particles.axis(d).data();
-      if (list.shifts.empty() || !problem.domain.periodic[d]) {
-        stencil.set_offsets(d, [&](int p) { return axis[index[p]] - x[d]; });
-      } else {
-        const ImageShift* shift = list.shifts.data() + list.offsets[t];
-        const Scalar period = problem.domain.period(d);
-        stencil.set_offsets(d,
-                            [&](int p) { return (axis[index[p]] - x[d]) + shift[p][d] * period; });
-      }
-    }
-    stencil.weigh(choice_.weight, choice_.form, slopes, problem.support_factor);
+  FitReport report_of(const LaneReport& lane) const {
+    FitReport report;
+    report.solver = choice_.solver;
+    report.neighbours = lane.neighbours;
+    report.rcond = lane.rcond;
+    report.amplification = lane.amplification;
+    report_full<Basis>(report);
+    return report;
   }
 
   ShapeChoice choice_;
+  LaneFunction<Scalar> lanes_;
+  typename WeightFunction::Function<Scalar> weigh_;
 };
 
 template <class Scalar, int D>

@@ -108,16 +108,17 @@ TYPED_TEST(Gradient, ReproducesPolynomials) {
                                      : fit.hessian();
         for (std::size_t t = 0; t < targets.size(); ++t) {
           const FitReport& report = fit.report()[t];
-          const double rho = fit.neighbours().support[t];
+          const double rho = fit.support(t);
+          const auto row = op.row(t);
           for (int j = 0; j < Terms::begin(report.degree + 1); ++j) {
             const auto& e = Terms::exponents[j];
             for (int b = 0; b < op.blocks(); ++b) {
               long double sum = 0, scale = 0;
-              for (std::int64_t i = op.offsets()[t]; i < op.offsets()[t + 1]; ++i) {
-                long double term = op.values()[i * op.blocks() + b];
+              for (std::size_t i = 0; i < row.size(); ++i) {
+                long double term = row.value(i, b);
                 for (int d = 0; d < D; ++d)
                   for (int n = 0; n < e[d]; ++n)
-                    term *= (static_cast<long double>(points[op.indices()[i]][d]) - targets[t][d]) /
+                    term *= (static_cast<long double>(points[row.particle(i)][d]) - targets[t][d]) /
                             rho;
                 sum += term;
                 scale += std::abs(term);

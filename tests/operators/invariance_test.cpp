@@ -25,8 +25,9 @@ void quantise(PointList<Scalar, D>& points, int bits) {
 template <class Scalar>
 std::vector<double> row(const CsrOperator<Scalar>& op, std::size_t t) {
   std::vector<double> values(op.columns(), 0.0);
-  for (std::int64_t e = op.offsets()[t]; e < op.offsets()[t + 1]; ++e)
-    values[op.indices()[e]] += static_cast<double>(op.values()[e]);
+  const auto entries = op.row(t);
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    values[entries.particle(i)] += static_cast<double>(entries.value(i));
   return values;
 }
 
@@ -172,9 +173,9 @@ TYPED_TEST(Invariance, AnisotropicSupport) {
   options.stretch = stretch;
   const BasicReconstruction<Scalar> stretched(points_of(wide), points_of(wide_targets), options);
   expect_same(round, stretched, TypeParam::eps, "stretched");
-  const auto g = round.gradient(), gs = stretched.gradient();
-  for (std::size_t i = 0; i < g.values().size(); ++i)
-    EXPECT_NEAR(g.values()[i] / stretch[i % D], gs.values()[i], 1e-3 * TypeParam::eps * 1e4);
+  const auto g = numbers_of(round.gradient()), gs = numbers_of(stretched.gradient());
+  for (std::size_t i = 0; i < g.size(); ++i)
+    EXPECT_NEAR(g[i] / stretch[i % D], gs[i], 1e-3 * TypeParam::eps * 1e4);
 }
 
 }  // namespace

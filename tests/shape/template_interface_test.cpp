@@ -109,12 +109,15 @@ TEST(TemplateInterface, EqualsTheRunTimeInterface) {
       const auto& shape =
           shapes.at(targets[t], 0.2, search, [&](ParticleIndex p) { return points[p]; });
       EXPECT_EQ(shape.report, fit.report()[t]);
+      double largest_slope = 1;
+      for (const auto& slopes : shape.gradient)
+        for (const double slope : slopes) largest_slope = std::max(largest_slope, std::abs(slope));
       for (std::size_t i = 0; i < shape.neighbours.size(); ++i) {
-        const std::int64_t e = fit.values().offsets()[t] + static_cast<std::int64_t>(i);
-        EXPECT_EQ(shape.neighbours[i], fit.values().indices()[e]);
-        EXPECT_NEAR(shape.value[i], fit.values().values()[e], 1e-12);
+        EXPECT_EQ(shape.neighbours[i], fit.values().row(t).particle(i));
+        const double tolerance = rounding<double>(shape.report);
+        EXPECT_NEAR(shape.value[i], fit.values().row(t).value(i), tolerance);
         for (int d = 0; d < 2; ++d)
-          EXPECT_NEAR(shape.gradient[i][d], gradient.values()[2 * e + d], 1e-10);
+          EXPECT_NEAR(shape.gradient[i][d], gradient.row(t).value(i, d), tolerance * largest_slope);
       }
     }
   }

@@ -23,20 +23,32 @@ template <class Scalar, int D>
 RowSum row_moment(const BasicReconstruction<Scalar>& fit, const PointList<Scalar, D>& points,
                   const std::array<Scalar, D>& target, std::size_t t,
                   const std::array<std::uint8_t, D>& exponents) {
-  const auto& op = fit.values();
-  const long double rho = fit.neighbours().support[t];
+  const auto row = fit.values().row(t);
+  const long double rho = fit.support(t);
   RowSum sum;
-  for (std::int64_t e = op.offsets()[t]; e < op.offsets()[t + 1]; ++e) {
-    long double term = op.values()[e];
+  for (std::size_t e = 0; e < row.size(); ++e) {
+    long double term = row.value(e);
     for (int d = 0; d < D; ++d)
       for (int i = 0; i < exponents[d]; ++i)
-        term *= (static_cast<long double>(points[op.indices()[e]][d]) -
+        term *= (static_cast<long double>(points[row.particle(e)][d]) -
                  static_cast<long double>(target[d])) /
                 rho;
     sum.value += term;
     sum.scale += std::abs(term);
   }
   return sum;
+}
+
+// All numbers of an operator, row by row in the order of the targets.
+template <class Scalar>
+std::vector<Scalar> numbers_of(const CsrOperator<Scalar>& op) {
+  std::vector<Scalar> numbers;
+  for (std::size_t t = 0; t < op.rows(); ++t) {
+    const auto row = op.row(t);
+    for (std::size_t i = 0; i < row.size(); ++i)
+      for (int b = 0; b < op.blocks(); ++b) numbers.push_back(row.value(i, b));
+  }
+  return numbers;
 }
 
 // Rounding that a fit with this report may show: the precision, times terms, times the
@@ -62,8 +74,8 @@ void expect_reproduction(const BasicReconstruction<Scalar>& fit, const PointList
     if (report.status == FitStatus::no_support) {
       EXPECT_EQ(report.rank, 0) << at;
       EXPECT_EQ(report.degree, -1) << at;
-      for (std::int64_t e = fit.values().offsets()[t]; e < fit.values().offsets()[t + 1]; ++e)
-        EXPECT_EQ(fit.values().values()[e], Scalar(0)) << at;
+      const auto row = fit.values().row(t);
+      for (std::size_t e = 0; e < row.size(); ++e) EXPECT_EQ(row.value(e), Scalar(0)) << at;
       continue;
     }
     ASSERT_GE(report.degree, 0) << at;

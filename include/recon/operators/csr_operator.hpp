@@ -17,22 +17,32 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <vector>
 
+#include "recon/core/array.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/view.hpp"
 
 namespace recon {
 
 // Which particle each entry refers to, shared by a value operator and its derivatives.
+//
+// Rows and columns may stand in an order of their own, in which neighbours in space follow each
+// other: row i belongs to target target_of[i], column j to particle particle_of[j].
 template <class Scalar>
 struct SparsityPattern {
   std::size_t columns = 0;           // particles
-  NeighbourList<Scalar> neighbours;  // an entry per neighbour; a particle may appear twice (images)
-  std::vector<std::uint32_t> empty_rows;  // rows without support, ascending
+  NeighbourList<Scalar> neighbours;  // of each row; a column may appear twice (images)
+  std::vector<std::uint32_t> target_of, particle_of;  // empty: rows are targets, columns particles
+  std::vector<std::uint32_t> empty_rows;              // rows without support, ascending
 
   std::size_t rows() const { return neighbours.targets(); }
+  std::size_t target(std::size_t row) const { return target_of.empty() ? row : target_of[row]; }
+  ParticleIndex particle(std::size_t column) const {
+    return particle_of.empty() ? static_cast<ParticleIndex>(column) : particle_of[column];
+  }
+  // The row of a target; the places of all are made on first use.
+  std::size_t row(std::size_t target) const;
 
   // The entries of each column in ascending order, made on first use.
   struct Transposed {
@@ -43,8 +53,9 @@ struct SparsityPattern {
   const Transposed& transposed() const;
 
  private:
-  mutable std::once_flag once_;
+  mutable std::once_flag once_transposed_, once_row_of_;
   mutable Transposed transposed_;
+  mutable std::vector<std::uint32_t> row_of_;
 };
 
 template <class Scalar>
@@ -52,25 +63,42 @@ class CsrOperator {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
+  // What one target's value is made of. Refers to the operator, which must live as long.
+  class Row {
+   public:
+    std::size_t size() const { return static_cast<std::size_t>(end_ - begin_); }
+    ParticleIndex particle(std::size_t i) const {
+      return op_->pattern_->particle(op_->pattern_->neighbours.indices[begin_ + i]);
+    }
+    Scalar value(std::size_t i, int block = 0) const {
+      return op_->values_[(begin_ + i) * op_->blocks_ + block];
+    }
+
+   private:
+    friend class CsrOperator;
+    Row(const CsrOperator* op, std::int64_t begin, std::int64_t end)
+        : op_(op), begin_(begin), end_(end) {}
+    const CsrOperator* op_;
+    std::int64_t begin_, end_;
+  };
+
   CsrOperator() = default;
-  CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> pattern, std::vector<Scalar> values,
+  CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> pattern, Array<Scalar> values,
               int blocks, Scalar fill, int threads);
 
   std::size_t rows() const { return pattern_->rows(); }      // targets
   std::size_t columns() const { return pattern_->columns; }  // particles
   int blocks() const { return blocks_; }                     // numbers per entry
   std::size_t entries() const { return pattern_->neighbours.indices.size(); }
-  std::span<const std::int64_t> offsets() const& { return pattern_->neighbours.offsets; }
-  std::span<const ParticleIndex> indices() const& { return pattern_->neighbours.indices; }
-  std::span<const Scalar> values() const& { return values_; }  // entry-major: [e * blocks + b]
-  std::span<const std::uint32_t> empty_rows() const& { return pattern_->empty_rows; }
 
-  // A span of a temporary operator, as in fit.gradient().values(), would dangle: give the operator
-  // a name.
-  void offsets() && = delete;
-  void indices() && = delete;
-  void values() && = delete;
-  void empty_rows() && = delete;
+  // The row of target t; one of a temporary operator, as in fit.gradient().row(t), would dangle:
+  // give the operator a name. For all entries as a matrix see to_sparse() (operators/sparse.hpp).
+  Row row(std::size_t target) const& {
+    const std::size_t row = pattern_->row(target);
+    return {this, pattern_->neighbours.offsets[row], pattern_->neighbours.offsets[row + 1]};
+  }
+  Row row(std::size_t target) && = delete;
+  std::vector<std::uint32_t> empty_rows() const;  // targets without support, ascending
 
   // A row per target; throws InvalidArgument where the field has not one value per particle, or has
   // one that is not finite (naming the particle and the component).
@@ -86,7 +114,7 @@ class CsrOperator {
  private:
   std::shared_ptr<const SparsityPattern<Scalar>> pattern_ =
       std::make_shared<SparsityPattern<Scalar>>();
-  std::vector<Scalar> values_;
+  Array<Scalar> values_;  // entry-major: [e * blocks + b]
   int blocks_ = 1;
   Scalar fill_ = 0;
   int threads_ = 0;

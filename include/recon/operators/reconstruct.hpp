@@ -72,9 +72,13 @@ class BasicReconstruction {
   CsrOperator<Scalar> hessian() const;
 
   const FitReports& report() const { return reports_; }
-  // Who was near each target, and its support. A target whose status is `nearest` has the nearest
-  // particle and a support that reaches it, not the one asked for.
-  const NeighbourList<Scalar>& neighbours() const;
+  // Who was near each target, and its support: a copy. A target whose status is `nearest` has the
+  // nearest particle and a support that reaches it, not the one asked for. Among particles at the
+  // same distance a nearest rule takes the first ones in a spatial order, not those of the smallest
+  // index; Radius and Radii list in that order.
+  NeighbourList<Scalar> neighbours() const;
+  // The support radius of target t, a length.
+  Scalar support(std::size_t target) const;
   int dimension() const;
 
  private:

@@ -17,11 +17,13 @@ Eigen::SparseMatrix<Scalar, Eigen::RowMajor, std::int64_t> to_sparse(
   std::vector<Eigen::Triplet<Scalar, std::int64_t>> triplets;
   triplets.reserve(op.entries() * static_cast<std::size_t>(op.blocks()));
   const int blocks = op.blocks();
-  for (std::size_t t = 0; t < op.rows(); ++t)
-    for (std::int64_t e = op.offsets()[t]; e < op.offsets()[t + 1]; ++e)
+  for (std::size_t t = 0; t < op.rows(); ++t) {
+    const auto row = op.row(t);
+    for (std::size_t i = 0; i < row.size(); ++i)
       for (int b = 0; b < blocks; ++b)
-        if (const Scalar value = op.values()[e * blocks + b]; value != 0)
-          triplets.emplace_back(static_cast<std::int64_t>(t) * blocks + b, op.indices()[e], value);
+        if (const Scalar value = row.value(i, b); value != 0)
+          triplets.emplace_back(static_cast<std::int64_t>(t) * blocks + b, row.particle(i), value);
+  }
   Eigen::SparseMatrix<Scalar, Eigen::RowMajor, std::int64_t> matrix(
       static_cast<std::int64_t>(op.rows()) * blocks, static_cast<std::int64_t>(op.columns()));
   matrix.setFromTriplets(triplets.begin(), triplets.end());

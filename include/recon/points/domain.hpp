@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "recon/core/error.hpp"
 #include "recon/points/view.hpp"
@@ -34,6 +35,9 @@ struct Box {
     if (coordinate > upper[axis]) upper[axis] = coordinate;
   }
 };
+
+// "coordinate y of point 7 of the targets", for messages.
+std::string coordinate_name(std::size_t point, int axis, const char* points);
 
 // The box of all points; empty for no points. Throws InvalidArgument where a coordinate is not
 // finite, naming the point and the axis; `name` is what the message calls the points.

@@ -1,13 +1,14 @@
-// Coordinates gathered once into an own, axis-by-axis copy: what searches and solvers read.
+// Coordinates gathered once into an own, contiguous copy: what searches and solvers read.
 //
-// Views may have any stride or hide coordinates behind functions; a PointCloud has one
-// contiguous array per axis, checked to be finite and wrapped into the periodic domain.
+// Views may have any stride or hide coordinates behind functions; a PointCloud has the coordinates
+// of one point after those of another, checked to be finite and wrapped into the periodic domain.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
-#include <vector>
 
+#include "recon/core/array.hpp"
 #include "recon/points/domain.hpp"
 #include "recon/points/view.hpp"
 
@@ -20,29 +21,41 @@ class PointCloud {
 
   // Copies the points; with a domain, into its periodic image [lower, upper). Throws
   // InvalidArgument for coordinates that are not finite and for more than 2^32 - 2 points; `name`
-  // is what messages call them.
+  // is what messages call them. threads as in parallel_blocks.
   explicit PointCloud(const PointsView<Scalar>& points, const char* name = "points",
-                      const PeriodicDomain<Scalar>& domain = {});
+                      const PeriodicDomain<Scalar>& domain = {}, int threads = 0);
 
-  std::size_t size() const { return axes_[0].size(); }
+  // The points order[0], order[1], ... of this cloud.
+  PointCloud permuted(std::span<const std::uint32_t> order, int threads = 0) const;
+
+  std::size_t size() const { return size_; }
   int dimension() const { return dimension_; }
   const Box<Scalar>& box() const { return box_; }
-  std::span<const Scalar> axis(int d) const { return axes_[d]; }
-  Scalar operator()(std::size_t point, int d) const { return axes_[d][point]; }
+  Scalar operator()(std::size_t point, int d) const {
+    return coordinates_[point * static_cast<std::size_t>(dimension_) + d];
+  }
+  // x0 y0 z0 x1 y1 z1 ..., dimension() numbers per point.
+  const Scalar* data() const { return coordinates_.data(); }
 
   // Point i as an array of D numbers, for code that knows the dimension.
   template <int D>
   std::array<Scalar, D> point(std::size_t i) const {
     std::array<Scalar, D> x;
-    for (int d = 0; d < D; ++d) x[d] = axes_[d][i];
+    for (int d = 0; d < D; ++d) x[d] = coordinates_[i * D + d];
     return x;
   }
 
-  PointsView<Scalar> view() const { return points_of_axes(axes_, dimension_); }
+  PointsView<Scalar> view() const {
+    const auto stride = static_cast<std::ptrdiff_t>(sizeof(Scalar)) * dimension_;
+    std::array<const void*, max_dimension> first{};
+    for (int d = 0; d < dimension_ && size_ > 0; ++d) first[d] = coordinates_.data() + d;
+    return {size_, dimension_, first, {stride, stride, stride}};
+  }
 
  private:
   int dimension_ = 1;
-  std::array<std::vector<Scalar>, max_dimension> axes_;
+  std::size_t size_ = 0;
+  Array<Scalar> coordinates_;
   Box<Scalar> box_ = Box<Scalar>::empty(1);
 };
 

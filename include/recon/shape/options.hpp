@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "recon/core/instruction_set.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/neighbourhood/find_neighbours.hpp"
 #include "recon/points/domain.hpp"
@@ -49,6 +50,7 @@ struct Options {
 
   FitTolerances tolerances{};
   int threads = 0;  // 0: default_threads(); the results do not depend on it
+  InstructionSet instruction_set = InstructionSet::automatic;
 
   // Throws InvalidArgument for a value outside its range. Rules about neighbours are checked when
   // they are searched.

@@ -72,7 +72,7 @@ class ShapeEvaluator {
     positions_.clear();
     for (const ParticleIndex p : neighbours) positions_.push_back(position(p));
     for (int d = 0; d < D; ++d)
-      stencil_.set_offsets(d, [&](int p) { return positions_[p][d] - x[d]; });
+      for (int p = 0; p < count; ++p) stencil_.offsets(d)[p] = positions_[p][d] - x[d];
     stencil_.weigh(weights_, form_, kind == Derivative::exact);
 
     const LocalCloud<T, D> cloud = stencil_.cloud();

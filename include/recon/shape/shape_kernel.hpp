@@ -8,6 +8,7 @@
 #include <array>
 #include <memory>
 
+#include "recon/core/instruction_set.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/point_cloud.hpp"
@@ -21,6 +22,7 @@ struct ShapeChoice {
   WeightForm form = WeightForm::radial;
   Solver solver = Solver::gram_schmidt;
   FitTolerances tolerances{};
+  InstructionSet instruction_set = InstructionSet::generic;  // not automatic: see resolved()
 };
 
 template <class Scalar>
@@ -53,7 +55,8 @@ template <class Scalar>
 class ShapeKernel {
  public:
   virtual ~ShapeKernel() = default;
-  // Targets begin <= t < end. Thread-safe; no allocation per target.
+  // Targets begin <= t < end, best in an order in which neighbours in space follow each other
+  // (points/spatial_order.hpp). Thread-safe; no allocation per target.
   virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                         const ShapeRows<Scalar>& rows) const = 0;
 };

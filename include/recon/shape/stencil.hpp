@@ -4,6 +4,9 @@
 //     d w / d x = -(sum_d dw/dxi_d (e_d + xi_d grad rho)) / rho .
 // Weights are divided by the largest, so that a fit does not see their scale. The arrays are kept
 // from target to target: nothing is allocated once warm. Use one object per thread.
+//
+// T may be a pack (core/pack.hpp), with one target in each lane: then particles are not dropped but
+// get the weight 0.
 #pragma once
 
 #include <algorithm>
@@ -12,45 +15,59 @@
 #include <limits>
 #include <vector>
 
+#include "recon/core/lanes.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/weights/weight.hpp"
 
 namespace recon {
 
-template <class Scalar, int D>
+template <class T, int D>
 class Stencil {
  public:
-  // Begins a target at x with support rho and this many neighbours.
-  void start(const std::array<Scalar, D>& x, Scalar rho, int count) {
+  using Scalar = ScalarOf<T>;
+  static constexpr int lanes = LaneTraits<T>::lanes;
+
+  // Begins a target at x with support rho > 0 and this many neighbours; in a pack, `present` says
+  // how many of them each lane has.
+  void start(const std::array<T, D>& x, const T& rho, int count) { start(x, rho, count, T(count)); }
+  void start(const std::array<T, D>& x, const T& rho, int count, const T& present) {
+    using std::abs;
     count_ = count;
+    present_ = present;
     rho_ = rho;
-    Scalar size = 0;
-    for (int d = 0; d < D; ++d) size = std::max(size, std::abs(x[d]));
-    noise_ = std::numeric_limits<Scalar>::epsilon() * (size + rho) / rho;
+    T size = T(0);
+    for (int d = 0; d < D; ++d) size = larger(T(abs(x[d])), size);
+    noise_ = T(std::numeric_limits<Scalar>::epsilon()) * (size + rho) / rho;
     w_.resize(count);
     for (int d = 0; d < D; ++d)
       for (auto* array : {&xi_[d], &q_[d], &factor_[d], &slope_[d], &dw_[d]}) array->resize(count);
   }
 
-  // offset(p) = x_p - x along axis d, a length.
-  template <class Offset>
-  void set_offsets(int d, Offset&& offset) {
-    for (int p = 0; p < count_; ++p) xi_[d][p] = offset(p) / rho_;
-  }
+  // To be filled with x_p - x along axis d, a length: neighbour p of lane l at [p * lanes + l], and
+  // 0 for those that a lane does not have.
+  Scalar* offsets(int d) { return reinterpret_cast<Scalar*>(xi_[d].data()); }
 
   // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose
   // weight is not above eps^2 of the largest: those change nothing in working precision.
-  // support_factor as in ShapeProblem.
+  // weights.evaluate(q, w, slope, n) has arrays of T. support_factor as in ShapeProblem.
   template <class Weights>
   void weigh(const Weights& weights, WeightForm form, bool slopes, Scalar support_factor = 0) {
+    if constexpr (lanes == 1) {
+      for (int d = 0; d < D; ++d)
+        for (T& offset : xi_[d]) offset /= rho_;
+    } else {
+      const T inverse = T(1) / rho_;
+      for (int d = 0; d < D; ++d)
+        for (T& offset : xi_[d]) offset *= inverse;
+    }
     evaluate_weights(weights, form, slopes);
     if (slopes) differentiate(form, support_factor);
     compact(slopes);
   }
 
-  LocalCloud<Scalar, D> cloud() const {
-    LocalCloud<Scalar, D> cloud;
-    cloud.size = static_cast<int>(place_.size());
+  LocalCloud<T, D> cloud() const {
+    LocalCloud<T, D> cloud;
+    cloud.size = lanes == 1 ? static_cast<int>(place_.size()) : count_;
     cloud.rho = rho_;
     cloud.noise = noise_;
     cloud.w = w_.data();
@@ -61,51 +78,60 @@ class Stencil {
     return cloud;
   }
 
-  // Where particle p of the cloud stands in the target's row of the neighbour list.
+  // Where particle p of the cloud stands in the target's row of the neighbour list. Not for packs,
+  // which keep all particles.
   int place(int p) const { return place_[p]; }
+  // How many particles have a weight.
+  const T& weighted() const { return weighted_; }
 
  private:
   // w_ and, with slopes, dw_ = d w / d xi. Radial: one factor of q = |xi|; tensor product: one per
   // axis.
   template <class Weights>
   void evaluate_weights(const Weights& weights, WeightForm form, bool slopes) {
+    using std::abs, std::sqrt;
     if (form == WeightForm::radial) {
       for (int p = 0; p < count_; ++p) {
-        Scalar q2 = 0;
-        for (int d = 0; d < D; ++d) q2 += xi_[d][p] * xi_[d][p];
-        q_[0][p] = std::sqrt(q2);
+        T q2 = xi_[0][p] * xi_[0][p];
+        for (int d = 1; d < D; ++d) q2 += xi_[d][p] * xi_[d][p];
+        q_[0][p] = sqrt(q2);
       }
       weights.evaluate(q_[0].data(), w_.data(), slopes ? slope_[0].data() : nullptr, count_);
-      if (slopes)
-        for (int d = 0; d < D; ++d)
-          for (int p = 0; p < count_; ++p)
-            dw_[d][p] = q_[0][p] > 0 ? slope_[0][p] * xi_[d][p] / q_[0][p] : Scalar(0);
-      return;
-    }
-    for (int d = 0; d < D; ++d) {
-      for (int p = 0; p < count_; ++p) q_[d][p] = std::abs(xi_[d][p]);
-      weights.evaluate(q_[d].data(), factor_[d].data(), slopes ? slope_[d].data() : nullptr,
-                       count_);
-    }
-    for (int p = 0; p < count_; ++p) {
-      w_[p] = factor_[0][p];
-      for (int d = 1; d < D; ++d) w_[p] *= factor_[d][p];
-    }
-    if (slopes)
-      for (int d = 0; d < D; ++d)
+      for (int p = 0; slopes && p < count_; ++p) {
+        const auto apart = q_[0][p] > T(0);
+        const T along = slope_[0][p] / select(apart, q_[0][p], T(1));
+        for (int d = 0; d < D; ++d) dw_[d][p] = select(apart, T(along * xi_[d][p]), T(0));
+      }
+    } else {
+      for (int d = 0; d < D; ++d) {
+        for (int p = 0; p < count_; ++p) q_[d][p] = abs(xi_[d][p]);
+        weights.evaluate(q_[d].data(), factor_[d].data(), slopes ? slope_[d].data() : nullptr,
+                         count_);
+      }
+      for (int p = 0; p < count_; ++p) {
+        w_[p] = factor_[0][p];
+        for (int d = 1; d < D; ++d) w_[p] *= factor_[d][p];
+      }
+      for (int d = 0; slopes && d < D; ++d)
         for (int p = 0; p < count_; ++p) {
-          Scalar others = slope_[d][p];
+          T others = slope_[d][p];
           for (int e = 0; e < D; ++e)
             if (e != d) others *= factor_[e][p];
-          dw_[d][p] = std::copysign(Scalar(1), xi_[d][p]) * (xi_[d][p] == 0 ? Scalar(0) : others);
+          dw_[d][p] = sign(xi_[d][p]) * others;
         }
+    }
+    if constexpr (lanes > 1)
+      for (int p = 0; p < count_; ++p) w_[p] = select(T(p) < present_, w_[p], T(0));
   }
+
+  // -1, 0 or 1.
+  static T sign(const T& x) { return select(x > T(0), T(1), select(x < T(0), T(-1), T(0))); }
 
   // dw_ becomes d w / d x: xi = (x_p - x) / rho gives d xi_d = -(e_d + xi_d grad rho) / rho.
   void differentiate(WeightForm form, Scalar support_factor) {
-    const std::array<Scalar, D> grow = support_gradient(form, support_factor);
+    const std::array<T, D> grow = support_gradient(form, support_factor);
     for (int p = 0; p < count_; ++p) {
-      Scalar along = 0;
+      T along = T(0);
       for (int d = 0; d < D; ++d) along += dw_[d][p] * xi_[d][p];
       for (int d = 0; d < D; ++d) dw_[d][p] = -(dw_[d][p] + along * grow[d]) / rho_;
     }
@@ -113,56 +139,67 @@ class Stencil {
 
   // grad rho for rho = support_factor * distance to the farthest neighbour; 0 for supports that
   // stand still.
-  std::array<Scalar, D> support_gradient(WeightForm form, Scalar support_factor) const {
-    std::array<Scalar, D> gradient{};
-    if (support_factor <= 0) return gradient;
-    int far = -1, far_axis = 0;
-    Scalar distance = 0;
-    for (int p = 0; p < count_; ++p) {
-      if (form == WeightForm::radial && q_[0][p] > distance) {
-        distance = q_[0][p];
-        far = p;
-      }
-      for (int d = 0; d < D && form == WeightForm::tensor_product; ++d)
-        if (q_[d][p] > distance) {
-          distance = q_[d][p];
-          far = p;
-          far_axis = d;
+  std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) const {
+    using std::abs;
+    std::array<T, D> gradient{};
+    if (!(support_factor > 0)) return gradient;
+    const T factor = T(support_factor);
+    T distance = T(0);
+    for (int p = 0; p < count_; ++p)
+      for (int d = 0; d < (form == WeightForm::radial ? 1 : D); ++d) {
+        const auto farther = q_[d][p] > distance;
+        if (!any_lane(farther)) continue;
+        distance = select(farther, q_[d][p], distance);
+        for (int e = 0; e < D; ++e) {
+          const T direction = form == WeightForm::radial
+                                  ? T(xi_[e][p] / select(farther, q_[d][p], T(1)))
+                              : e == d ? sign(xi_[e][p])
+                                       : T(0);
+          gradient[e] = select(farther, T(-factor * direction), gradient[e]);
         }
-    }
+      }
     // All neighbours on the target: the support was chosen in another way and stands still.
-    if (far < 0 || std::abs(distance * support_factor - 1) > Scalar(1e-3)) return gradient;
-    if (form == WeightForm::radial)
-      for (int d = 0; d < D; ++d) gradient[d] = -support_factor * xi_[d][far] / distance;
-    else
-      gradient[far_axis] = -support_factor * std::copysign(Scalar(1), xi_[far_axis][far]);
+    const auto moves = distance > T(0) && T(abs(distance * factor - T(1))) <= constant<T>(1e-3);
+    for (T& g : gradient) g = select(moves, g, T(0));
     return gradient;
   }
 
   void compact(bool slopes) {
-    Scalar largest = 0;
-    for (int p = 0; p < count_; ++p) largest = std::max(largest, w_[p]);
-    place_.clear();
-    if (!(largest >= std::numeric_limits<Scalar>::min())) return;
-    const Scalar inverse = 1 / largest;
-    const Scalar least =
-        largest * std::numeric_limits<Scalar>::epsilon() * std::numeric_limits<Scalar>::epsilon();
-    for (int p = 0; p < count_; ++p) {
-      if (!(w_[p] > least)) continue;
-      const std::size_t to = place_.size();
-      for (int d = 0; d < D; ++d) {
-        xi_[d][to] = xi_[d][p];
-        if (slopes) dw_[d][to] = dw_[d][p] * inverse;
+    T largest = T(0);
+    for (int p = 0; p < count_; ++p) largest = larger(w_[p], largest);
+    const auto usable = largest >= T(std::numeric_limits<Scalar>::min());
+    const T inverse = T(1) / select(usable, largest, T(1));
+    const T least = largest * T(std::numeric_limits<Scalar>::epsilon() *
+                                std::numeric_limits<Scalar>::epsilon());
+    weighted_ = T(0);
+    if constexpr (lanes > 1) {
+      for (int p = 0; p < count_; ++p) {
+        const auto keep = usable && w_[p] > least;
+        w_[p] = select(keep, T(w_[p] * inverse), T(0));
+        weighted_ += select(keep, T(1), T(0));
+        for (int d = 0; slopes && d < D; ++d)
+          dw_[d][p] = select(keep, T(dw_[d][p] * inverse), T(0));
       }
-      w_[to] = w_[p] * inverse;
-      place_.push_back(p);
+    } else {
+      place_.clear();
+      for (int p = 0; usable && p < count_; ++p) {
+        if (!(w_[p] > least)) continue;
+        const std::size_t to = place_.size();
+        for (int d = 0; d < D; ++d) {
+          xi_[d][to] = xi_[d][p];
+          if (slopes) dw_[d][to] = dw_[d][p] * inverse;
+        }
+        w_[to] = w_[p] * inverse;
+        place_.push_back(p);
+      }
+      weighted_ = T(static_cast<int>(place_.size()));
     }
   }
 
   int count_ = 0;
-  Scalar rho_ = 1, noise_ = 0;
-  std::array<std::vector<Scalar>, D> xi_, q_, factor_, slope_, dw_;
-  std::vector<Scalar> w_;
+  T present_ = T(0), weighted_ = T(0), rho_ = T(1), noise_ = T(0);
+  std::array<std::vector<T>, D> xi_, q_, factor_, slope_, dw_;
+  std::vector<T> w_;
   std::vector<int> place_;
 };
 

@@ -111,18 +111,17 @@ class Mapper {
   // The k nearest particles do not fill the support that they define: all in it are sought.
   void add_sums(const PointsView<double>& targets, const Reconstruction& fit) {
     const bool complete = std::holds_alternative<Radius>(options_.neighbours);
-    NeighbourList<double> found;
+    NeighbourList<double> found = fit.neighbours();
     if (!complete) {
       NeighbourOptions search{.threads = options_.threads};
       if (options_.form == WeightForm::tensor_product) search.shape = SupportShape::cube;
       const PointCloud<double> wrapped(targets, "targets", options_.domain);
-      found = find_neighbours(kernel_->particles(), wrapped, Radii{fit.neighbours().support},
-                              options_.domain, search);
+      const std::vector<double> radii = std::move(found.support);
+      found = find_neighbours(kernel_->particles(), wrapped, Radii{radii}, options_.domain, search);
     }
     for (std::size_t f = 0; f < plan_.size(); ++f) {
       if (!plan_[f].is_kernel_sum()) continue;
-      std::vector<double> sums =
-          kernel_->at(targets, complete ? fit.neighbours() : found, plan_[f].amounts);
+      std::vector<double> sums = kernel_->at(targets, found, plan_[f].amounts);
       // The list of a target without support may hold the nearest particle, which is not in it.
       for (std::size_t t = 0; t < sums.size(); ++t)
         if (fit.report()[t].status == FitStatus::nearest) sums[t] = 0;

@@ -1,0 +1,53 @@
+// Shape functions of several targets side by side, one in each lane, for each instruction set.
+//
+// Only what is regular is done here; the rest is left to the kernel for single targets
+// (kernel.hpp). Plain arrays in and out: the files compiled for an instruction set share no types
+// with the rest of the library that could bring code along (core/dispatch.hpp).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/dispatch.hpp"
+#include "recon/shape/shape_kernel.hpp"
+
+namespace recon::detail {
+
+struct LaneReport {
+  std::uint32_t neighbours = 0;  // with a weight
+  float rcond = 0, amplification = 0;
+  bool done = false;  // else the target needs a closer look, and its rows are not written
+};
+
+template <class Scalar>
+struct LaneTask {
+  const Scalar* particles = nullptr;  // D coordinates of each
+  const Scalar* targets = nullptr;
+  const std::int64_t* offsets = nullptr;  // the neighbour list
+  const ParticleIndex* indices = nullptr;
+  const ImageShift* shifts = nullptr;  // null: none
+  const Scalar* support = nullptr;
+  std::array<Scalar, max_dimension> period{};
+  Scalar support_factor = 0;  // as in ShapeProblem
+  std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
+  typename WeightFunction::Function<Scalar> weigh = nullptr;
+  const void* weight = nullptr;
+  WeightForm form = WeightForm::radial;
+  FitTolerances tolerances{};
+  std::size_t begin = 0, end = 0;  // targets
+  ShapeRows<Scalar> rows{};        // reports are not written
+  LaneReport* reports = nullptr;   // end - begin of them
+};
+
+template <class Scalar>
+using LaneFunction = void (*)(const LaneTask<Scalar>& task);
+
+}  // namespace recon::detail
+
+namespace recon {
+
+// Null where there is none: for the solvers that work on single targets only.
+RECON_FOR_EACH_SET(template <class Scalar, int D> detail::LaneFunction<Scalar> lane_function(
+    int degree, Solver solver))
+
+}  // namespace recon

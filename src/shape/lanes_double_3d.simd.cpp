@@ -1,0 +1,4 @@
+#include "shape/lanes_kernel.hpp"
+
+template recon::detail::LaneFunction<double> recon::RECON_SET::lane_function<double, 3>(int,
+                                                                                        Solver);

@@ -1,0 +1,168 @@
+// The implementation of lanes.hpp for one scalar and dimension; included by lanes_*.simd.cpp.
+#pragma once
+
+#include <vector>
+
+#include "recon/core/pack.hpp"
+#include "recon/local_solve/moment_matrix.hpp"
+#include "recon/local_solve/regular_gram_schmidt.hpp"
+#include "recon/shape/stencil.hpp"
+#include "shape/lanes.hpp"
+
+namespace recon::RECON_SET {
+
+namespace {
+
+template <class Scalar, int D, template <class, class> class Fit, int R>
+class Lanes {
+  using T = Pack<Scalar>;
+  static constexpr int lanes = LaneTraits<T>::lanes;
+  static constexpr int seconds = D * (D + 1) / 2;
+
+ public:
+  static void run(const detail::LaneTask<Scalar>& task) {
+    Lanes work(task);
+    for (std::size_t i = task.begin; i < task.end; i += lanes) work.group(i);
+  }
+
+ private:
+  explicit Lanes(const detail::LaneTask<Scalar>& task)
+      : task_(task),
+        slopes_(task.rows.gradient && task.rows.kind == Derivative::exact),
+        fit_(task.tolerances) {}
+
+  // Arrays of packs are arrays of numbers to a weight function.
+  struct Weights {
+    const detail::LaneTask<Scalar>& task;
+    void evaluate(const T* q, T* w, T* slope, int n) const {
+      task.weigh(task.weight, reinterpret_cast<const Scalar*>(q), reinterpret_cast<Scalar*>(w),
+                 reinterpret_cast<Scalar*>(slope), static_cast<std::size_t>(n) * lanes);
+    }
+  };
+
+  // Targets number i, i + 1, ...: as many as there are lanes, or as are left.
+  void group(std::size_t i) {
+    const int used = static_cast<int>(task_.end - i < std::size_t{lanes} ? task_.end - i : lanes);
+    int most = 0;
+    T rho = T(1), present = T(0);
+    std::array<T, D> x;
+    for (T& c : x) c = T(0);
+    for (int l = 0; l < used; ++l) {
+      const std::size_t t = i + l;
+      row_[l] = task_.offsets[t];
+      count_[l] = static_cast<int>(task_.offsets[t + 1] - task_.offsets[t]);
+      // The reciprocal of a tiny support overflows; such a target is treated by itself.
+      if (!(task_.support[t] > 8 * std::numeric_limits<Scalar>::min())) count_[l] = 0;
+      if (count_[l] > 0) rho[l] = task_.support[t];
+      present[l] = static_cast<Scalar>(count_[l]);
+      for (int d = 0; d < D; ++d) x[d][l] = task_.targets[t * D + d];
+      most = count_[l] > most ? count_[l] : most;
+    }
+    for (int l = used; l < lanes; ++l) count_[l] = 0;
+    if (most == 0) return;
+    stencil_.start(x, rho, most, present);
+    for (int l = 0; l < lanes; ++l) gather(l, most, x);
+    stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
+    const LocalCloud<T, D> cloud = stencil_.cloud();
+    const MaskOf<T> safe = fit_.fit(cloud);
+    if (!any_lane(safe)) return;
+
+    values_.resize(static_cast<std::size_t>(most) * detail::jet_size(D));
+    const auto out = ShapeArrays<T, D>::in(values_.data(), most, task_.rows.kind,
+                                           task_.rows.gradient, task_.rows.hessian);
+    fit_.shape_functions(cloud, out);
+    for (int l = 0; l < used; ++l) {
+      if (!safe[l]) continue;
+      scatter(l, out);
+      detail::LaneReport& report = task_.reports[i + l - task_.begin];
+      report.neighbours = static_cast<std::uint32_t>(static_cast<Scalar>(stencil_.weighted()[l]));
+      report.rcond = static_cast<float>(static_cast<Scalar>(fit_.rcond()[l]));
+      report.amplification = static_cast<float>(static_cast<Scalar>(fit_.amplification()[l]));
+      report.done = true;
+    }
+  }
+
+  void gather(int l, int most, const std::array<T, D>& x) {
+    const int n = count_[l];
+    const ParticleIndex* index = task_.indices + (n > 0 ? row_[l] : 0);
+    std::array<Scalar*, D> offset;
+    std::array<Scalar, D> centre;
+    for (int d = 0; d < D; ++d) {
+      offset[d] = stencil_.offsets(d) + l;
+      centre[d] = x[d][l];
+    }
+    for (int p = 0; p < n; ++p) {
+      const Scalar* at = task_.particles + std::size_t{index[p]} * D;
+      for (int d = 0; d < D; ++d) offset[d][p * lanes] = at[d] - centre[d];
+    }
+    if (task_.shifts && n > 0) {
+      const std::int8_t* shift = reinterpret_cast<const std::int8_t*>(task_.shifts + row_[l]);
+      for (int p = 0; p < n; ++p)
+        for (int d = 0; d < D; ++d)
+          offset[d][p * lanes] +=
+              static_cast<Scalar>(shift[p * max_dimension + d]) * task_.period[d];
+    }
+    for (int p = n; p < most; ++p)
+      for (int d = 0; d < D; ++d) offset[d][p * lanes] = 0;
+  }
+
+  void scatter(int l, const ShapeArrays<T, D>& out) {
+    const int n = count_[l];
+    const auto lane = [l](const T* array) { return reinterpret_cast<const Scalar*>(array) + l; };
+    if (task_.rows.value) {
+      const Scalar* value = lane(out.value);
+      Scalar* row = task_.rows.value + row_[l];
+      for (int p = 0; p < n; ++p) row[p] = value[p * lanes];
+    }
+    for (int d = 0; d < D && task_.rows.gradient; ++d) {
+      const Scalar* slope = lane(out.gradient[d]);
+      Scalar* row = task_.rows.gradient + row_[l] * D + d;
+      for (int p = 0; p < n; ++p) row[p * D] = slope[p * lanes] * task_.axis_scale[d];
+    }
+    int entry = 0;
+    for (int a = 0; a < D && task_.rows.hessian; ++a)
+      for (int b = a; b < D; ++b, ++entry) {
+        const Scalar* second = lane(out.hessian[entry]);
+        Scalar* row = task_.rows.hessian + row_[l] * seconds + entry;
+        for (int p = 0; p < n; ++p)
+          row[p * seconds] = second[p * lanes] * task_.axis_scale[a] * task_.axis_scale[b];
+      }
+  }
+
+  const detail::LaneTask<Scalar>& task_;
+  const bool slopes_;
+  Stencil<T, D> stencil_;
+  Fit<T, Monomials<D, R>> fit_;
+  std::vector<T> values_;
+  std::array<std::int64_t, lanes> row_{};
+  std::array<int, lanes> count_{};
+};
+
+template <class Scalar, int D, template <class, class> class Fit>
+detail::LaneFunction<Scalar> of_degree(int degree) {
+  switch (degree) {
+    case 0:
+      return &Lanes<Scalar, D, Fit, 0>::run;
+    case 1:
+      return &Lanes<Scalar, D, Fit, 1>::run;
+    case 2:
+      return &Lanes<Scalar, D, Fit, 2>::run;
+    case 3:
+      return &Lanes<Scalar, D, Fit, 3>::run;
+    case 4:
+      return &Lanes<Scalar, D, Fit, 4>::run;
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace
+
+template <class Scalar, int D>
+detail::LaneFunction<Scalar> lane_function(int degree, Solver solver) {
+  if (solver == Solver::moment_matrix) return of_degree<Scalar, D, MomentMatrix>(degree);
+  if (solver == Solver::gram_schmidt) return of_degree<Scalar, D, RegularGramSchmidt>(degree);
+  return nullptr;
+}
+
+}  // namespace recon::RECON_SET
