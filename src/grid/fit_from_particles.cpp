@@ -72,8 +72,9 @@ class ParticleFit {
     stencil_.start(x, Scalar(1), static_cast<int>(found_.size()));
     for (int d = 0; d < D; ++d) {
       const Scalar here = plan_.grid.coordinate(index[d], d);
-      stencil_.set_offsets(
-          d, [&](int i) { return (particles_.points(found_[i], d) - here) * inverse[d]; });
+      Scalar* offsets = stencil_.offsets(d);
+      for (std::size_t i = 0; i < found_.size(); ++i)
+        offsets[i] = (particles_.points(found_[i], d) - here) * inverse[d];
     }
     stencil_.weigh(plan_.options.weight, plan_.options.form, false);
     const LocalCloud<Scalar, D> cloud = stencil_.cloud();
