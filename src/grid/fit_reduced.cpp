@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "grid/node_fit.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/local_solve/moment_matrix.hpp"
@@ -24,7 +26,8 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
   if (R == 0 && !matrix.factor(chosen, noise)) return;
   FitReport& report = fits.reports[node] = {};
   report.solver = Solver::moment_matrix;
-  report.neighbours = static_cast<std::uint32_t>(moments[0]);
+  // A node may be seen by particles of negligible weight only.
+  report.neighbours = std::max(1u, static_cast<std::uint32_t>(moments[0]));
   report.rcond = static_cast<float>(matrix.rcond());
   report.amplification = static_cast<float>(matrix.amplification());
   for (int k = 0; k <= R; ++k)

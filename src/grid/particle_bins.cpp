@@ -15,19 +15,16 @@ constexpr std::uint32_t nowhere = 0xFFFFFFFFu;
 
 template <class Scalar>
 void check_particle(const ParticleData<Scalar>& data, std::size_t p) {
-  const auto name = [p](const char* what, int number, const char* of) {
-    return what + std::to_string(number) + of + std::to_string(p);
+  const auto require_finite = [p](Scalar value, const std::string& what) {
+    if (!std::isfinite(value))
+      detail::throw_invalid(what + std::to_string(p), value, "must be finite");
   };
   for (int d = 0; d < data.points.dimension(); ++d)
-    if (!std::isfinite(data.points(p, d)))
-      detail::throw_invalid(name("coordinate ", d, " of point "), data.points(p, d),
-                            "must be finite");
+    require_finite(data.points(p, d), "coordinate " + std::to_string(d) + " of point ");
   for (std::size_t f = 0; f < data.fields.size(); ++f)
     for (int c = 0; c < data.fields[f].components(); ++c)
-      if (!std::isfinite(data.fields[f](p, c)))
-        detail::throw_invalid(
-            name("component ", c, " of field ") + std::to_string(f) + " at point ",
-            data.fields[f](p, c), "must be finite");
+      require_finite(data.fields[f](p, c), "component " + std::to_string(c) + " of field " +
+                                               std::to_string(f) + " at point ");
   if (data.weights.size() > 0 && !(std::isfinite(data.weights(p, 0)) && data.weights(p, 0) >= 0))
     detail::throw_invalid("weight of particle " + std::to_string(p), data.weights(p, 0),
                           "must be finite and not negative");

@@ -186,11 +186,9 @@ TYPED_TEST(Grid, AllParticlesInOneCellOrOnBordersOrOutside) {
          {Weight::linear_b_spline, Weight::quadratic_b_spline, Weight::cubic_b_spline}) {
       const GridOptions options{.weight = weight};
       const auto fit = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
-      expect_equal(fit,
-                   BasicReconstruction<Scalar>(
-                       points_of(points), grid.nodes().view(),
-                       equivalent(options, grid, (static_cast<int>(weight) + 2) / 2.0)),
-                   u, name + ", " + std::string(name_of(weight)));
+      expect_equal(fit, points, u, grid,
+                   equivalent(options, grid, (static_cast<int>(weight) + 2) / 2.0),
+                   name + ", " + std::string(name_of(weight)));
     }
   };
   PointList<Scalar, D> crowd = random_points<Scalar, D>(5000, 4);
