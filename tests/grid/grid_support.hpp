@@ -87,8 +87,6 @@ void expect_equal(const BasicGridReconstruction<Scalar>& fit,
     const FitReport& report = fit.report()[i];
     const FitReport& other = expected.report()[i];
     const std::string at = where + ", node " + std::to_string(i);
-    EXPECT_EQ(report.status, other.status) << at;
-    EXPECT_EQ(report.degree, other.degree) << at;
     if (report.neighbours != other.neighbours) {
       std::uint32_t clear = 0, any = 0;
       for (const auto& x : points) {
@@ -114,7 +112,10 @@ void expect_equal(const BasicGridReconstruction<Scalar>& fit,
       }
       EXPECT_GE(report.neighbours, clear) << at;
       EXPECT_LE(report.neighbours, any) << at;
+      if (clear == 0) continue;  // all of them at the very border of the support
     }
+    EXPECT_EQ(report.status, other.status) << at;
+    EXPECT_EQ(report.degree, other.degree) << at;
     if (report.solver == other.solver) {
       EXPECT_NEAR(report.rcond, other.rcond, 1e-3 * other.rcond + 1e-3) << at;
       EXPECT_NEAR(report.amplification, other.amplification, 1e-2 * other.amplification) << at;
