@@ -13,6 +13,7 @@ struct Context {
   bool quick = false;  // everything within two minutes: smaller workloads, fewer repetitions
   int threads = 2;
   std::filesystem::path out = "out/bench";
+  bool smoke = false;  // every case once on a tiny workload, for its checks; times mean nothing
 };
 
 // One part of the report: a title, a few sentences, tables and pictures (file names in

@@ -1,4 +1,4 @@
-# Read by examples/run, tests/run and .ci/run, after packages.sh and in the root of the source tree:
+# Read by examples/run, tests/run, bench/run and .ci/run, after packages.sh and in the root of the source tree:
 # configures, builds and tests one of the presets of CMakePresets.json.
 #
 #   step "what is being done" LOG command...   one line of progress; the log only where it fails

@@ -1,7 +1,8 @@
-# Read by examples/run, tests/run and .ci/run: installs the Debian packages that are missing.
+# Read by examples/run, tests/run, bench/run and .ci/run: installs the Debian packages that are missing.
 #
 #   need_compiler            a C++20 compiler; sets CXX where the default one is too old
 #   need_build               what the library and the programs need
+#   need_bench, need_peers   Google Benchmark; other programs to compare with, which may be missing
 #   need_tests, need_ci      what the tests and the checks need beyond that
 #   install_missing LOG      installs what the functions above found to be missing
 #
@@ -78,6 +79,14 @@ need_pictures() {
 
 need_tests() {
   need_package libgtest-dev libgmock-dev python3-vtk9  # VTK: a reader of our files that is not ours
+}
+
+need_bench() {
+  need_package libbenchmark-dev
+}
+
+need_peers() {
+  need_package python3-numpy python3-scipy python3-vtk9
 }
 
 need_ci() {

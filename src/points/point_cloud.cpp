@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -25,16 +26,8 @@ PointCloud<Scalar>::PointCloud(const PointsView<Scalar>& points, const char* nam
   coordinates_.resize(size_ * static_cast<std::size_t>(dimension_));
   std::vector<Box<Scalar>> boxes((size_ + points_per_block - 1) / points_per_block, box_);
   parallel_blocks(size_, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
-    Box<Scalar>& box = boxes[begin / points_per_block];
-    Scalar* to = coordinates_.data() + begin * static_cast<std::size_t>(dimension_);
-    for (std::size_t i = begin; i < end; ++i)
-      for (int d = 0; d < dimension_; ++d) {
-        const Scalar x = points(i, d);
-        if (!std::isfinite(x)) [[unlikely]]
-          detail::throw_invalid(coordinate_name(i, d, name), x, "must be finite");
-        *to = domain.wrap(x, d);
-        box.add(d, *to++);
-      }
+    for (int d = 0; d < dimension_; ++d)
+      copy_axis(points, begin, end, d, name, domain, boxes[begin / points_per_block]);
   });
   for (const Box<Scalar>& box : boxes)
     for (int d = 0; d < dimension_; ++d) {
@@ -49,6 +42,32 @@ PointCloud<Scalar>::PointCloud(const PointsView<Scalar>& points, const char* nam
   }
   require(std::isfinite(diagonal), name, diagonal,
           "must have coordinates whose squares can be represented");
+}
+
+template <class Scalar>
+void PointCloud<Scalar>::copy_axis(const PointsView<Scalar>& points, std::size_t begin,
+                                   std::size_t end, int d, const char* name,
+                                   const PeriodicDomain<Scalar>& domain, Box<Scalar>& box) {
+  const auto stride = static_cast<std::size_t>(dimension_);
+  Scalar* const to = coordinates_.data() + d;
+  bool finite = true;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Scalar x = points(i, d);
+    finite &= std::abs(x) <= std::numeric_limits<Scalar>::max();
+    to[i * stride] = x;
+  }
+  for (std::size_t i = begin; i < end && !finite; ++i)
+    if (!std::isfinite(to[i * stride]))
+      detail::throw_invalid(coordinate_name(i, d, name), to[i * stride], "must be finite");
+  if (domain.periodic[d])
+    for (std::size_t i = begin; i < end; ++i) to[i * stride] = domain.wrap(to[i * stride], d);
+  Scalar lower = to[begin * stride], upper = lower;
+  for (std::size_t i = begin; i < end; ++i) {
+    lower = std::min(lower, to[i * stride]);
+    upper = std::max(upper, to[i * stride]);
+  }
+  box.add(d, lower);
+  box.add(d, upper);
 }
 
 template <class Scalar>

@@ -22,7 +22,10 @@ class Lanes {
  public:
   static void run(const detail::LaneTask<Scalar>& task) {
     Lanes work(task);
-    for (std::size_t i = task.begin; i < task.end; i += lanes) work.group(i);
+    for (std::size_t i = task.begin; i < task.end; i += lanes) {
+      work.fetch(i + lanes);
+      work.group(i);
+    }
   }
 
  private:
@@ -39,6 +42,13 @@ class Lanes {
                  reinterpret_cast<Scalar*>(slope), static_cast<std::size_t>(n) * lanes);
     }
   };
+
+  // Asks for the particles of the targets i, i + 1, ... while others are being worked on.
+  void fetch(std::size_t i) {
+    const std::size_t end = i + lanes < task_.end ? i + lanes : task_.end;
+    for (std::int64_t e = i < end ? task_.offsets[i] : 0; i < end && e < task_.offsets[end]; ++e)
+      __builtin_prefetch(task_.particles + std::size_t{task_.indices[e]} * D);
+  }
 
   // Targets number i, i + 1, ...: as many as there are lanes, or as are left.
   void group(std::size_t i) {

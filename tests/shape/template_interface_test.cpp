@@ -6,6 +6,7 @@
 #include "recon/points/generate.hpp"
 #include "recon/recon.hpp"
 #include "recon/shape/shape_function.hpp"
+#include "support/invariants.hpp"
 
 namespace recon {
 namespace {

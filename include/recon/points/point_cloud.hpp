@@ -53,6 +53,10 @@ class PointCloud {
   }
 
  private:
+  // Coordinates along axis d of the points of a range, with their extent.
+  void copy_axis(const PointsView<Scalar>& points, std::size_t begin, std::size_t end, int d,
+                 const char* name, const PeriodicDomain<Scalar>& domain, Box<Scalar>& box);
+
   int dimension_ = 1;
   std::size_t size_ = 0;
   Array<Scalar> coordinates_;

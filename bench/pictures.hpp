@@ -1,0 +1,19 @@
+// Pictures of a section, as PNG and SVG.
+#pragma once
+
+#include <string>
+
+#include "context.hpp"
+#include "recon/io/picture.hpp"
+
+namespace recon_bench {
+
+// Draws <name>.png and <name>.svg and names them in the section; where that fails (no gnuplot), the
+// section says why instead. Points that are NaN are left out. Nothing is drawn in a smoke test.
+void draw_picture(const Context& context, Section& section, const std::string& name,
+                  recon::LinePlot plot);
+
+// Points in the order of x.
+void sort_by_x(recon::Curve& curve);
+
+}  // namespace recon_bench
