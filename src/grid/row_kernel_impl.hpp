@@ -121,8 +121,8 @@ struct Kernel {
 
   // One stencil offset: `Moments` moments (M or none) and C components, to the node at `to`.
   template <int Moments, int C>
-  static void add_block(const Scalar* q, int stride, const Scalar* w, int slots, const T* offset,
-                        Scalar* to) {
+  RECON_INLINE static void add_block(const Scalar* q, int stride, const Scalar* w, int slots,
+                                     const T* offset, Scalar* to) {
     constexpr int Q = Moments + C * m;
     if constexpr (Q > 0) {
       T sum[Q];
