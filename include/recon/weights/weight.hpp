@@ -225,6 +225,8 @@ class WeightFunction {
   template <class Scalar>
   Function<Scalar> function(InstructionSet set) const;
   const void* state() const { return state_.get(); }
+  // The enumerator it was made from; none for an object of your own.
+  const std::optional<Weight>& named() const { return named_; }
 
   // w[i] = w(q[i]) and, unless `slope` is null, slope[i] = w'(q[i]), for i < n; 0 where q[i] >= 1.
   void evaluate(const double* q, double* w, double* slope, std::size_t n) const {

@@ -1,0 +1,59 @@
+// The moments of particles at all nodes of a grid, to be added up before they are solved.
+//
+//   GridMoments moments(points, {velocity}, grid, options);    // each process from its own
+//   particles moments += others;                                         // or add values()
+//   yourself, by MPI GridReconstruction fit = moments.solve();
+//
+// Moments about the nodes are additive over particles: M and b of reconstruct_on_grid.hpp from all
+// particles are the sums of those from any parts of them. Of each node per_node() numbers are held:
+//     number of particles | C(2 R + D, D) moments sum m_p w_ip xi^alpha, as Monomials<D, 2 R> |
+//     for each component C(R + D, D) right-hand sides sum m_p w_ip xi^alpha u_p, as Monomials<D,
+//     R>.
+//
+// solve() no longer has the particles. Where the moment matrix is not safe it lowers the degree
+// until it is: status is then `reduced`, and the value may differ from that of
+// reconstruct_on_grid(), which would keep the directions that the particles do resolve. Elsewhere
+// both agree to rounding.
+//
+// Memory: per_node() numbers a node, 23 for a velocity in 3-D at degree 1. Throws InvalidArgument
+// as reconstruct_on_grid() does, and where moments of different grids, options or components are
+// added.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "recon/grid/reconstruct_on_grid.hpp"
+
+namespace recon {
+
+template <class Scalar>
+struct GridPlan;
+
+template <class Scalar>
+class BasicGridMoments {
+ public:
+  BasicGridMoments(const PointsView<Scalar>& points, const std::vector<FieldView<Scalar>>& fields,
+                   const StructuredGrid<Scalar>& grid, const GridOptions& options = {},
+                   const FieldView<Scalar>& particle_weights = {});
+
+  BasicGridMoments& operator+=(const BasicGridMoments& other);
+  BasicGridReconstruction<Scalar> solve() const;
+
+  int per_node() const;
+  // [node][per_node()]
+  std::span<Scalar> values() { return values_; }
+  std::span<const Scalar> values() const { return values_; }
+
+ private:
+  std::shared_ptr<const GridPlan<Scalar>> plan_;
+  std::vector<Scalar> values_;
+};
+
+using GridMoments = BasicGridMoments<double>;
+using GridMomentsF = BasicGridMoments<float>;
+
+extern template class BasicGridMoments<float>;
+extern template class BasicGridMoments<double>;
+
+}  // namespace recon

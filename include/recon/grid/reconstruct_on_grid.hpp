@@ -1,0 +1,97 @@
+// reconstruct_on_grid(points, fields, grid, options): particle data at the nodes of a structured
+// grid.
+//
+//   recon::GridReconstruction v = recon::reconstruct_on_grid(points, {velocity}, grid,
+//       {.degree = 1, .weight = recon::Weight::cubic_b_spline});
+//   v.values()                                  // Eigen matrix, a row per node, 3 columns
+//   recon::GridReconstruction s = recon::reconstruct_on_grid(points, {stress, density},
+//       cell_centres(grid), {.weight = recon::Weight::quadratic_b_spline});    // 6 + 1 columns
+//
+// Moving least squares at every node x_i (Gong 2015, eq. 3.6-3.8), with xi = (x_p - x_i) / rho per
+// axis, w_ip = w(xi), an optional weight m_p >= 0 of each particle (its mass or volume), m the
+// monomials:
+//     M_i = sum_p m_p w_ip m(xi) m(xi)^T ,  b_i = sum_p m_p w_ip m(xi) u_p ,  M_i a = b_i ;
+// the value is a_0, the gradient a_1 .. a_D divided by rho. Both are sums over particles: they are
+// formed cell by cell of particles, without neighbour lists, and solved as soon as a row of nodes
+// is complete.
+//
+// The values are, up to rounding, those of reconstruct() with Radius, the same weight and the
+// solver moment_matrix; and as there, a node whose moment matrix is not safe is fitted anew from
+// its particles by graded Gram-Schmidt. So is its FitReport; `neighbours` counts particles with m_p
+// > 0 whose w_ip exceeds eps^2 w(0). Without neighbours status is no_support, and the value is
+// fill_value.
+//
+// Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument for
+// sizes and dimensions that differ, bad options, coordinates and data that are not finite (naming
+// the particle and the component) and negative m_p.
+//
+// Cost: linear in the number of particles. Memory beyond the result: 4 bytes for each particle,
+// half a byte for each node, and per thread about a megabyte of moments. The same bits for any
+// number of threads.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "recon/grid/grid_options.hpp"
+#include "recon/operators/fit_summary.hpp"
+#include "recon/points/make_view.hpp"
+#include "recon/points/structured_grid.hpp"
+
+namespace recon {
+
+// Values, gradients and reports at the nodes; node i is number i of StructuredGrid.
+template <class Scalar>
+class BasicGridReconstruction {
+ public:
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  BasicGridReconstruction() = default;
+  BasicGridReconstruction(Matrix values, Matrix gradients, FitReports reports)
+      : values_(std::move(values)),
+        gradients_(std::move(gradients)),
+        reports_(std::move(reports)) {}
+
+  // A row per node; the components of all fields, in the order in which they were given.
+  const Matrix& values() const& { return values_; }
+  Matrix values() && { return std::move(values_); }
+  // d u_c / d x_d in column c * dimension + d, unit of u / length; no columns unless asked for.
+  const Matrix& gradients() const& { return gradients_; }
+  Matrix gradients() && { return std::move(gradients_); }
+  const FitReports& report() const { return reports_; }
+
+ private:
+  Matrix values_, gradients_;
+  FitReports reports_;
+};
+
+using GridReconstruction = BasicGridReconstruction<double>;
+using GridReconstructionF = BasicGridReconstruction<float>;
+
+// particle_weights: m_p, one number for each particle; an empty view stands for all ones.
+GridReconstruction reconstruct_on_grid(const PointsView<double>& points,
+                                       const std::vector<FieldView<double>>& fields,
+                                       const StructuredGrid<double>& grid,
+                                       const GridOptions& options = {},
+                                       const FieldView<double>& particle_weights = {});
+GridReconstructionF reconstruct_on_grid(const PointsView<float>& points,
+                                        const std::vector<FieldView<float>>& fields,
+                                        const StructuredGrid<float>& grid,
+                                        const GridOptions& options = {},
+                                        const FieldView<float>& particle_weights = {});
+
+// The grid of the centres of a grid's cells: one fewer along each axis, half a spacing further in.
+// Throws InvalidArgument where an axis has fewer than two nodes.
+template <class Scalar>
+StructuredGrid<Scalar> cell_centres(StructuredGrid<Scalar> grid) {
+  grid.validate();
+  for (int d = 0; d < grid.dimension; ++d) {
+    require(grid.counts[d] >= 2, "grid nodes along an axis", grid.counts[d],
+            "must be at least 2 to have cells between them");
+    --grid.counts[d];
+    grid.origin[d] += grid.spacing[d] / 2;
+  }
+  return grid;
+}
+
+}  // namespace recon

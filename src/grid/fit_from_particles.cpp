@@ -1,0 +1,131 @@
+#include <algorithm>
+
+#include "grid/node_fit.hpp"
+#include "recon/core/parallel.hpp"
+#include "recon/local_solve/gram_schmidt.hpp"
+#include "recon/shape/stencil.hpp"
+
+namespace recon {
+namespace {
+
+constexpr std::size_t nodes_per_block = 64;
+
+template <class Scalar, int D, int R>
+class ParticleFit {
+ public:
+  ParticleFit(const ParticleData<Scalar>& particles, const ParticleBins& bins,
+              const GridPlan<Scalar>& plan, NodeFits<Scalar>& fits)
+      : particles_(particles),
+        bins_(bins),
+        plan_(plan),
+        fits_(fits),
+        solve_(plan.options.tolerances) {}
+
+  void fit(std::size_t node) {
+    find(node);
+    weigh(node);
+    LocalCloud<Scalar, D> cloud = stencil_.cloud();
+    cloud.w = w_.data();
+    FitReport& report = fits_.reports[node] = solve_.fit(cloud);
+    if (report.rank == 0) return;
+    phi_.resize(static_cast<std::size_t>(cloud.size) * (1 + D));
+    solve_.shape_functions(cloud,
+                           ShapeArrays<Scalar, D>::in(phi_.data(), cloud.size, Derivative::diffuse,
+                                                      plan_.options.gradients, false));
+    const auto at = static_cast<Eigen::Index>(node);
+    int column = 0;
+    for (const auto& field : particles_.fields)
+      for (int c = 0; c < field.components(); ++c, ++column) {
+        fits_.values(at, column) = sum(field, c, phi_.data());
+        for (int d = 0; d < D && plan_.options.gradients; ++d)
+          fits_.gradients(at, column * D + d) = sum(field, c, phi_.data() + (1 + d) * cloud.size) /
+                                                static_cast<Scalar>(plan_.axes[d].rho);
+      }
+  }
+
+ private:
+  // The particles of all cells that see the node, ascending.
+  void find(std::size_t node) {
+    const auto at = plan_.grid.index(node);
+    std::array<std::int64_t, max_dimension> first, last;  // node i is seen by cells i .. i + n - 1
+    for (int d = 0; d < max_dimension; ++d) {
+      first[d] = static_cast<std::int64_t>(at[d]);
+      last[d] = first[d] + plan_.axes[d].stencil;
+    }
+    found_.clear();
+    for (std::int64_t k = first[2]; k < last[2]; ++k)
+      for (std::int64_t j = first[1]; j < last[1]; ++j)
+        for (const std::uint32_t p : bins_.row(first[0], last[0], j, k)) {
+          const std::int64_t i = plan_.axes[0].cell(static_cast<double>(particles_.points(p, 0)));
+          if (i >= first[0] && i < last[0] && mass(p) > 0) found_.push_back(p);
+        }
+    std::sort(found_.begin(), found_.end());
+  }
+
+  void weigh(std::size_t node) {
+    const auto index = plan_.grid.index(node);
+    std::array<Scalar, D> x, inverse;
+    for (int d = 0; d < D; ++d) {
+      inverse[d] = static_cast<Scalar>(1 / plan_.axes[d].rho);
+      x[d] = plan_.grid.coordinate(index[d], d) * inverse[d];
+    }
+    stencil_.start(x, Scalar(1), static_cast<int>(found_.size()));
+    for (int d = 0; d < D; ++d) {
+      const Scalar here = plan_.grid.coordinate(index[d], d);
+      Scalar* offsets = stencil_.offsets(d);
+      for (std::size_t i = 0; i < found_.size(); ++i)
+        offsets[i] = (particles_.points(found_[i], d) - here) * inverse[d];
+    }
+    stencil_.weigh(plan_.options.weight, plan_.options.form, false);
+    const LocalCloud<Scalar, D> cloud = stencil_.cloud();
+    Scalar largest = 0;
+    w_.resize(static_cast<std::size_t>(cloud.size));
+    for (int i = 0; i < cloud.size; ++i)
+      largest = std::max(largest, mass(found_[stencil_.place(i)]));
+    for (int i = 0; i < cloud.size; ++i)
+      w_[i] = cloud.w[i] * (mass(found_[stencil_.place(i)]) / largest);
+  }
+
+  Scalar mass(std::uint32_t p) const {
+    return particles_.weights.size() > 0 ? particles_.weights(p, 0) : Scalar(1);
+  }
+  Scalar sum(const FieldView<Scalar>& field, int component, const Scalar* phi) const {
+    Scalar total = 0;
+    for (std::size_t i = 0; i < w_.size(); ++i)
+      total += phi[i] * field(found_[stencil_.place(static_cast<int>(i))], component);
+    return total;
+  }
+
+  const ParticleData<Scalar>& particles_;
+  const ParticleBins& bins_;
+  const GridPlan<Scalar>& plan_;
+  NodeFits<Scalar>& fits_;
+  GramSchmidt<Scalar, Monomials<D, R>> solve_;
+  Stencil<Scalar, D> stencil_;
+  std::vector<std::uint32_t> found_;
+  std::vector<Scalar> w_, phi_;
+};
+
+}  // namespace
+
+template <class Scalar>
+void fit_from_particles(const ParticleData<Scalar>& particles, const ParticleBins& bins,
+                        const GridPlan<Scalar>& plan, const std::vector<std::size_t>& nodes,
+                        NodeFits<Scalar>& fits) {
+  with_shape(plan, [&](auto dimension, auto degree) {
+    parallel_blocks(nodes.size(), nodes_per_block, plan.options.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      ParticleFit<Scalar, dimension, degree> fit(particles, bins, plan, fits);
+                      for (std::size_t i = begin; i < end; ++i) fit.fit(nodes[i]);
+                    });
+  });
+}
+
+template void fit_from_particles(const ParticleData<float>&, const ParticleBins&,
+                                 const GridPlan<float>&, const std::vector<std::size_t>&,
+                                 NodeFits<float>&);
+template void fit_from_particles(const ParticleData<double>&, const ParticleBins&,
+                                 const GridPlan<double>&, const std::vector<std::size_t>&,
+                                 NodeFits<double>&);
+
+}  // namespace recon

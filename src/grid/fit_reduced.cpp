@@ -1,0 +1,72 @@
+#include <algorithm>
+
+#include "grid/node_fit.hpp"
+#include "recon/core/parallel.hpp"
+#include "recon/local_solve/moment_matrix.hpp"
+
+namespace recon {
+namespace {
+
+constexpr std::size_t nodes_per_block = 256;
+
+// Tries degree R, then lower ones; `terms`: right-hand sides per component. Degree 0 needs no more
+// than a positive weight.
+template <class Scalar, int D, int R>
+void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t node,
+              NodeFits<Scalar>& fits) {
+  using Basis = Monomials<D, R>;
+  MomentMatrix<Scalar, Basis> matrix(plan.options.tolerances);
+  typename MomentMatrix<Scalar, Basis>::Moments chosen;
+  for (std::size_t a = 0; a < chosen.size(); ++a) chosen[a] = moments[1 + a];
+  const Scalar noise = node_noise(plan, plan.grid.index(node));
+  if (R > 0 && !(moments[0] >= Scalar(Basis::size) && matrix.factor(chosen, noise))) {
+    fit_node<Scalar, D, (R > 0 ? R - 1 : 0)>(moments, plan, node, fits);
+    return;
+  }
+  if (R == 0 && !matrix.factor(chosen, noise)) return;
+  FitReport& report = fits.reports[node] = {};
+  report.solver = Solver::moment_matrix;
+  // A node may be seen by particles of negligible weight only.
+  report.neighbours = std::max(1u, static_cast<std::uint32_t>(moments[0]));
+  report.rcond = static_cast<float>(matrix.rcond());
+  report.amplification = static_cast<float>(matrix.amplification());
+  for (int k = 0; k <= R; ++k)
+    report.kept[k] = static_cast<std::uint8_t>(Basis::begin(k + 1) - Basis::begin(k));
+  report.rank = static_cast<std::uint8_t>(Basis::size);
+  report.degree = R;
+  report.status = R == plan.options.degree ? FitStatus::full : FitStatus::reduced;
+  const auto at = static_cast<Eigen::Index>(node);
+  for (int c = 0; c < plan.components; ++c) {
+    const Scalar* from = moments + 1 + plan.kernel.moments + c * plan.kernel.terms;
+    typename MomentMatrix<Scalar, Basis>::Vector b;
+    for (int j = 0; j < Basis::size; ++j) b[j] = from[j];
+    b = matrix.solve(b);
+    fits.values(at, c) = b[0];
+    for (int d = 0; d < D && plan.options.gradients; ++d)
+      fits.gradients(at, c * D + d) =
+          R == 0 ? Scalar(0) : b[R == 0 ? 0 : 1 + d] / static_cast<Scalar>(plan.axes[d].rho);
+  }
+}
+
+}  // namespace
+
+template <class Scalar>
+void fit_reduced(const Scalar* moments, const GridPlan<Scalar>& plan,
+                 const std::vector<std::size_t>& nodes, NodeFits<Scalar>& fits) {
+  const auto per_node = static_cast<std::size_t>(plan.quantities());
+  with_shape(plan, [&](auto dimension, auto degree) {
+    parallel_blocks(nodes.size(), nodes_per_block, plan.options.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t i = begin; i < end; ++i)
+                        fit_node<Scalar, dimension, degree>(moments + nodes[i] * per_node, plan,
+                                                            nodes[i], fits);
+                    });
+  });
+}
+
+template void fit_reduced(const float*, const GridPlan<float>&, const std::vector<std::size_t>&,
+                          NodeFits<float>&);
+template void fit_reduced(const double*, const GridPlan<double>&, const std::vector<std::size_t>&,
+                          NodeFits<double>&);
+
+}  // namespace recon

@@ -1,0 +1,72 @@
+// The geometry of a reconstruction on a grid: which nodes a particle sees, along each axis.
+//
+// In units of the spacing let u be the place of a particle, node i at u = i, and s = rho / spacing.
+// It sees the nodes with |u - i| < s. With c = floor(u - s) these are among c + 1 .. c + n, n =
+// ceil(2 s): all particles with the same c form a cell. Cells are numbered k = c + n, so that cell
+// k sees the nodes k - n + 1 .. k, and the cells 0 .. N + n - 2 are those that see any of the N
+// nodes at all. For cardinal splines of odd degree cells are those of the grid, for even degrees
+// they lie about a node.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "grid/row_kernel.hpp"
+#include "recon/grid/grid_options.hpp"
+#include "recon/points/structured_grid.hpp"
+
+namespace recon {
+
+struct GridAxis {
+  std::int64_t nodes = 1, cells = 1;
+  int stencil = 1;                               // n
+  double origin = 0, per_spacing = 1;            // u = (x - origin) * per_spacing
+  double support = 1, per_support = 1, rho = 1;  // s, and as a length
+
+  // Counted from the lower border of cell 0, in spacings: cell k is [k, k + 1). (No floor(): that
+  // is a function call where the instruction set has none.)
+  double place(double x) const { return (x - origin) * per_spacing + (stencil - support); }
+  // k of a coordinate; -1 where no node is seen.
+  std::int64_t cell(double x) const {
+    const double at = place(x);
+    return at >= 0 && at < static_cast<double>(cells) ? static_cast<std::int64_t>(at) : -1;
+  }
+  // (x - centre of cell k) / rho.
+  double offset(double x, std::int64_t k) const {
+    return (place(x) - static_cast<double>(k) + support - 0.5 * (stencil + 1)) * per_support;
+  }
+  // (node a of the stencil - centre of the cell) / rho.
+  double node_offset(int a) const { return (a - 0.5 * (stencil - 1)) / support; }
+};
+
+template <class Scalar>
+struct GridPlan {
+  StructuredGrid<Scalar> grid;
+  GridOptions options;
+  InstructionSet set;
+  int components;
+  std::array<GridAxis, max_dimension> axes;  // beyond the dimension: one node, seen by one cell
+  std::array<std::vector<Scalar>, max_dimension> node_offsets;
+  RowKernel<Scalar> kernel;
+  WeightFunction::Function<Scalar> weight;
+  Scalar least_weight;
+
+  // Throws InvalidArgument for bad options and grids.
+  GridPlan(const StructuredGrid<Scalar>& grid, const GridOptions& options, int components);
+
+  int dimension() const { return grid.dimension; }
+  int quantities() const { return kernel.quantities(components); }
+  std::array<int, max_dimension> stencil() const {
+    return {axes[0].stencil, axes[1].stencil, axes[2].stencil};
+  }
+  std::size_t node(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return static_cast<std::size_t>((k * axes[1].nodes + j) * axes[0].nodes + i);
+  }
+};
+
+extern template struct GridPlan<float>;
+extern template struct GridPlan<double>;
+
+}  // namespace recon

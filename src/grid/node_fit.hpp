@@ -1,0 +1,86 @@
+// From the moments of nodes to values, gradients and reports.
+#pragma once
+
+#include "grid/aligned_array.hpp"
+#include "grid/sweep.hpp"
+#include "recon/grid/reconstruct_on_grid.hpp"
+
+namespace recon {
+
+template <class Scalar>
+struct NodeFits {
+  using Matrix = typename BasicGridReconstruction<Scalar>::Matrix;
+  Matrix values, gradients;
+  std::vector<FitReport> reports;
+
+  explicit NodeFits(const GridPlan<Scalar>& plan);
+  // Nodes that solve_row could not do, which have particles.
+  std::vector<std::size_t> unsafe() const;
+};
+
+// Solves a row of nodes by the moment matrix; one object per thread. Nodes where it is not safe are
+// marked.
+template <class Scalar>
+class RowSolver {
+ public:
+  RowSolver(const GridPlan<Scalar>& plan, const LaneLayout& lanes, NodeFits<Scalar>& fits);
+  void operator()(const FinishedRow<Scalar>& row);
+
+ private:
+  void set_noise(const FinishedRow<Scalar>& row);
+  void take(std::size_t node, const Scalar* out, std::size_t count, bool any);
+
+  const GridPlan<Scalar>& plan_;
+  LaneLayout lanes_;
+  NodeFits<Scalar>& fits_;
+  FitReport full_;
+  std::size_t out_size_;
+  AlignedArray<Scalar> noise_, out_;
+};
+
+// Fits a node from its particles by graded Gram-Schmidt.
+template <class Scalar>
+void fit_from_particles(const ParticleData<Scalar>& particles, const ParticleBins& bins,
+                        const GridPlan<Scalar>& plan, const std::vector<std::size_t>& nodes,
+                        NodeFits<Scalar>& fits);
+
+// Fits nodes from moments ([node][quantity]), with the highest degree at which that is safe.
+template <class Scalar>
+void fit_reduced(const Scalar* moments, const GridPlan<Scalar>& plan,
+                 const std::vector<std::size_t>& nodes, NodeFits<Scalar>& fits);
+
+// Rounding of (x_p - x_i) / rho at a node.
+template <class Scalar>
+Scalar node_noise(const GridPlan<Scalar>& plan,
+                  const std::array<std::size_t, max_dimension>& index) {
+  Scalar size = 1;
+  for (int d = 0; d < plan.dimension(); ++d)
+    size = std::max(size, 1 + std::abs(plan.grid.coordinate(index[d], d)) /
+                                  static_cast<Scalar>(plan.axes[d].rho));
+  return std::numeric_limits<Scalar>::epsilon() * size;
+}
+
+// Calls body(std::integral_constant D, R) for the dimension and degree of a plan.
+template <class Scalar, class Body>
+void with_shape(const GridPlan<Scalar>& plan, Body&& body) {
+  const auto with_degree = [&](auto dimension) {
+    switch (plan.options.degree) {
+      case 0:
+        return body(dimension, std::integral_constant<int, 0>{});
+      case 1:
+        return body(dimension, std::integral_constant<int, 1>{});
+      default:
+        return body(dimension, std::integral_constant<int, 2>{});
+    }
+  };
+  switch (plan.dimension()) {
+    case 1:
+      return with_degree(std::integral_constant<int, 1>{});
+    case 2:
+      return with_degree(std::integral_constant<int, 2>{});
+    default:
+      return with_degree(std::integral_constant<int, 3>{});
+  }
+}
+
+}  // namespace recon

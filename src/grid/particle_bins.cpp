@@ -1,0 +1,139 @@
+#include "grid/particle_bins.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "recon/core/error.hpp"
+#include "recon/core/parallel.hpp"
+
+namespace recon {
+namespace {
+
+constexpr std::size_t checked_at_once = 16384;
+constexpr std::uint32_t nowhere = 0xFFFFFFFFu;
+
+template <class Scalar>
+void check_particle(const ParticleData<Scalar>& data, std::size_t p) {
+  const auto require_finite = [p](Scalar value, const std::string& what) {
+    if (!std::isfinite(value))
+      detail::throw_invalid(what + std::to_string(p), value, "must be finite");
+  };
+  for (int d = 0; d < data.points.dimension(); ++d)
+    require_finite(data.points(p, d), "coordinate " + std::to_string(d) + " of point ");
+  for (std::size_t f = 0; f < data.fields.size(); ++f)
+    for (int c = 0; c < data.fields[f].components(); ++c)
+      require_finite(data.fields[f](p, c), "component " + std::to_string(c) + " of field " +
+                                               std::to_string(f) + " at point ");
+  if (data.weights.size() > 0 && !(std::isfinite(data.weights(p, 0)) && data.weights(p, 0) >= 0))
+    detail::throw_invalid("weight of particle " + std::to_string(p), data.weights(p, 0),
+                          "must be finite and not negative");
+}
+
+// x - x is 0 for finite numbers and NaN for others: one test for a block of particles.
+template <class Scalar>
+void check(const ParticleData<Scalar>& data, std::size_t begin, std::size_t end) {
+  Scalar sum = 0, least = 0;
+  for (int d = 0; d < data.points.dimension(); ++d)
+    for (std::size_t p = begin; p < end; ++p) sum += data.points(p, d) - data.points(p, d);
+  for (const auto& field : data.fields)
+    for (std::size_t p = begin; p < end; ++p)
+      for (int c = 0; c < field.components(); ++c) sum += field(p, c) - field(p, c);
+  if (data.weights.size() > 0)
+    for (std::size_t p = begin; p < end; ++p) {
+      sum += data.weights(p, 0) - data.weights(p, 0);
+      least = std::min(least, data.weights(p, 0));
+    }
+  if (sum == 0 && least >= 0) return;
+  for (std::size_t p = begin; p < end; ++p) check_particle(data, p);
+}
+
+// Calls visit(particle, bin) for the particles of [begin, end) that some node sees. Axis by axis,
+// because then nothing depends on the particle before.
+template <class Scalar, class Visit>
+void for_each_bin(const PointsView<Scalar>& points, const GridPlan<Scalar>& plan,
+                  const std::array<std::uint32_t, max_dimension>& strides, std::size_t begin,
+                  std::size_t end, const Visit& visit) {
+  constexpr std::size_t at_once = 512;
+  std::array<std::uint32_t, at_once> bin;
+  std::array<bool, at_once> seen;
+  for (; begin < end; begin += at_once) {
+    const std::size_t count = std::min(at_once, end - begin);
+    bin.fill(0);
+    seen.fill(true);
+    for (int d = 0; d < plan.dimension(); ++d) {
+      const GridAxis axis = plan.axes[d];
+      const std::uint32_t stride = strides[d];
+      const int cells_together = d == 0 ? ParticleBins::cells_per_bin : 1;
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::int64_t k = axis.cell(static_cast<double>(points(begin + i, d)));
+        seen[i] = seen[i] && k >= 0;
+        bin[i] +=
+            static_cast<std::uint32_t>(k) / static_cast<std::uint32_t>(cells_together) * stride;
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      if (seen[i]) visit(begin + i, bin[i]);
+  }
+}
+
+}  // namespace
+
+template <class Scalar>
+ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scalar>& plan) {
+  const std::size_t n = data.points.size();
+  require(n < nowhere, "points", n, "must be fewer than 2^32 - 1 points");
+  require(data.points.dimension() == plan.dimension(), "dimension of the points",
+          data.points.dimension(), "must be that of the grid");
+  for (const auto& field : data.fields)
+    require(field.size() == n, "size of the field", field.size(),
+            "must be the number of particles");
+  if (data.weights.size() > 0) {
+    require(data.weights.size() == n, "size of the particle weights", data.weights.size(),
+            "must be the number of particles, or 0");
+    require(data.weights.components() == 1, "components of the particle weights",
+            data.weights.components(), "must be 1");
+  }
+  const int threads = plan.options.threads > 0 ? plan.options.threads : default_threads();
+  parallel_blocks(n, checked_at_once, threads,
+                  [&](std::size_t begin, std::size_t end) { check(data, begin, end); });
+
+  rows_ = plan.axes[1].cells;
+  bins_per_row_ = (plan.axes[0].cells + cells_per_bin - 1) / cells_per_bin;
+  const auto bins = static_cast<std::size_t>(bins_per_row_ * rows_ * plan.axes[2].cells);
+  require(bins < nowhere, "grid", bins, "must have fewer rows of cells (2^32)");
+  const std::array<std::uint32_t, max_dimension> strides{
+      1, static_cast<std::uint32_t>(bins_per_row_),
+      static_cast<std::uint32_t>(bins_per_row_ * rows_)};
+
+  // A stable counting sort; each part of the particles counts for itself, and then knows its
+  // places.
+  const std::size_t parts =
+      std::clamp<std::size_t>(n / (4 * bins), 1, static_cast<std::size_t>(std::min(threads, 8)));
+  const std::size_t part_size = (n + parts - 1) / parts;
+  std::vector<std::uint32_t> places(parts * bins, 0);
+  begin_.resize(bins + 1);
+  parallel_blocks(n, part_size, threads, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t* count = places.data() + begin / part_size * bins;
+    for_each_bin(data.points, plan, strides, begin, end,
+                 [&](std::size_t, std::uint32_t bin) { ++count[bin]; });
+  });
+  std::uint32_t total = 0;
+  for (std::size_t b = 0; b < bins; ++b) {
+    begin_[b] = total;
+    for (std::size_t i = 0; i < parts; ++i) total += std::exchange(places[i * bins + b], total);
+  }
+  begin_[bins] = total;
+  order_.resize(total);
+  parallel_blocks(n, part_size, threads, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t* place = places.data() + begin / part_size * bins;
+    for_each_bin(data.points, plan, strides, begin, end, [&](std::size_t p, std::uint32_t bin) {
+      order_[place[bin]++] = static_cast<std::uint32_t>(p);
+    });
+  });
+}
+
+template ParticleBins::ParticleBins(const ParticleData<float>&, const GridPlan<float>&);
+template ParticleBins::ParticleBins(const ParticleData<double>&, const GridPlan<double>&);
+
+}  // namespace recon

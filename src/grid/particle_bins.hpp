@@ -1,0 +1,57 @@
+// The particles in the order of the cells that they lie in, as indices: 4 bytes for each.
+//
+// A bin is a row of 8 cells along the first axis; rows of cells are ranges of bins. Within a bin
+// particles keep the order of the input, so that sums have a fixed order.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "grid/grid_plan.hpp"
+#include "recon/points/view.hpp"
+
+namespace recon {
+
+// What a reconstruction reads: positions, data, and weights of the particles (none: all 1).
+template <class Scalar>
+struct ParticleData {
+  PointsView<Scalar> points;
+  std::vector<FieldView<Scalar>> fields;
+  FieldView<Scalar> weights;
+
+  int components() const {
+    int sum = 0;
+    for (const auto& field : fields) sum += field.components();
+    return sum;
+  }
+};
+
+class ParticleBins {
+ public:
+  static constexpr int cells_per_bin = 8;
+
+  // Throws InvalidArgument for sizes that differ, numbers that are not finite (naming the particle
+  // and the axis or component) and negative weights.
+  template <class Scalar>
+  ParticleBins(const ParticleData<Scalar>& particles, const GridPlan<Scalar>& plan);
+
+  // The particles of the bins that hold the cells [begin, end) of row (j, k); some lie in others.
+  std::span<const std::uint32_t> row(std::int64_t begin, std::int64_t end, std::int64_t j,
+                                     std::int64_t k) const {
+    const std::size_t first = static_cast<std::size_t>((k * rows_ + j) * bins_per_row_);
+    const std::uint32_t from = begin_[first + static_cast<std::size_t>(begin / cells_per_bin)];
+    const std::uint32_t to =
+        begin_[first + static_cast<std::size_t>((end - 1) / cells_per_bin) + 1];
+    return {order_.data() + from, to - from};
+  }
+
+ private:
+  std::int64_t bins_per_row_, rows_;
+  std::vector<std::uint32_t> begin_, order_;
+};
+
+extern template ParticleBins::ParticleBins(const ParticleData<float>&, const GridPlan<float>&);
+extern template ParticleBins::ParticleBins(const ParticleData<double>&, const GridPlan<double>&);
+
+}  // namespace recon

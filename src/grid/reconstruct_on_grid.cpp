@@ -1,0 +1,42 @@
+#include "recon/grid/reconstruct_on_grid.hpp"
+
+#include "grid/node_fit.hpp"
+
+namespace recon {
+namespace {
+
+template <class Scalar>
+BasicGridReconstruction<Scalar> reconstruct(const ParticleData<Scalar>& particles,
+                                            const StructuredGrid<Scalar>& grid,
+                                            const GridOptions& options) {
+  const GridPlan<Scalar> plan(grid, options, particles.components());
+  const ParticleBins bins(particles, plan);
+  NodeFits<Scalar> fits(plan);
+  const LaneLayout lanes = LaneLayout::of(plan);
+  sweep<Scalar>(particles, bins, plan, [&] {
+    return [solver = std::make_shared<RowSolver<Scalar>>(plan, lanes, fits)](
+               const FinishedRow<Scalar>& row) { (*solver)(row); };
+  });
+  fit_from_particles(particles, bins, plan, fits.unsafe(), fits);
+  return {std::move(fits.values), std::move(fits.gradients),
+          FitReports(std::move(fits.reports), Solver::moment_matrix)};
+}
+
+}  // namespace
+
+GridReconstruction reconstruct_on_grid(const PointsView<double>& points,
+                                       const std::vector<FieldView<double>>& fields,
+                                       const StructuredGrid<double>& grid,
+                                       const GridOptions& options,
+                                       const FieldView<double>& particle_weights) {
+  return reconstruct<double>({points, fields, particle_weights}, grid, options);
+}
+GridReconstructionF reconstruct_on_grid(const PointsView<float>& points,
+                                        const std::vector<FieldView<float>>& fields,
+                                        const StructuredGrid<float>& grid,
+                                        const GridOptions& options,
+                                        const FieldView<float>& particle_weights) {
+  return reconstruct<float>({points, fields, particle_weights}, grid, options);
+}
+
+}  // namespace recon
