@@ -65,9 +65,7 @@ Rows rows_of(const std::string& name, const Setting<double, D>& s,
       recon::reconstruct(recon::points_of(s.points), recon::points_of(s.targets), list, options);
   const auto& summary = fit.report().summary();
   const double per_cent = 100.0 / static_cast<double>(s.targets.size());
-  const auto values = fit.values().values();
-  return {{values.begin(), values.end()},
-          std::vector<bool>(s.targets.size(), false),
+  return {numbers_of(fit.values()), std::vector<bool>(s.targets.size(), false),
           per_cent * static_cast<double>(summary.handed_over),
           per_cent * static_cast<double>(summary.reduced),
           cost_of(s, options, 1, budget).construct};

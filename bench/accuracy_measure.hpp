@@ -94,6 +94,15 @@ double allowed_residual(const recon::FitReport& report) {
          std::max(1.0, static_cast<double>(report.amplification)) * loss;
 }
 
+// The numbers of a value operator, row by row in the order of the targets.
+template <class Scalar>
+std::vector<Scalar> numbers_of(const recon::CsrOperator<Scalar>& op) {
+  std::vector<Scalar> numbers;
+  for (std::size_t t = 0; t < op.rows(); ++t)
+    for (std::size_t i = 0; i < op.row(t).size(); ++i) numbers.push_back(op.row(t).value(i));
+  return numbers;
+}
+
 [[noreturn]] inline void fail(const std::string& name, const std::string& what) {
   throw std::runtime_error("accuracy, " + name + ": " + what);
 }
@@ -118,16 +127,22 @@ Accuracy accuracy_of(const std::string& name, const Setting<Scalar, D>& s,
   const auto u = field_at(s.points);
   const auto gradient = fit.gradient(kind).apply(recon::field_of(u));
   RowTally<Scalar, D> tally(s.points);
+  std::vector<Scalar> phi;
+  std::vector<recon::ParticleIndex> particles;
   double squares = 0, largest = 0;
   std::size_t rows = 0;
   for (std::size_t t = 0; t < s.targets.size(); ++t) {
     const recon::FitReport& report = fit.report()[t];
     if (report.rank == 0) continue;
-    const auto begin = static_cast<std::size_t>(op.offsets()[t]);
-    const auto count = static_cast<std::size_t>(op.offsets()[t + 1]) - begin;
-    const double residual = tally.add(
-        s.targets[t], static_cast<double>(fit.neighbours().support[t]),
-        op.values().subspan(begin, count), op.indices().subspan(begin, count), report.degree);
+    const auto row = op.row(t);
+    phi.clear();
+    particles.clear();
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      phi.push_back(row.value(i));
+      particles.push_back(row.particle(i));
+    }
+    const double residual =
+        tally.add(s.targets[t], static_cast<double>(fit.support(t)), phi, particles, report.degree);
     if (!(residual <= allowed_residual<Scalar>(report)))
       fail(name, "target " + std::to_string(t) + " misses a polynomial of degree at most " +
                      std::to_string(report.degree) + " by " + std::to_string(residual));

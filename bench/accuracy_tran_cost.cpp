@@ -41,9 +41,9 @@ class Workload {
       options_.solver = solver;
       accuracy_of("Tran et al., figure 6", setting_, options_);  // the check
       const auto fit = recon::reconstruct(points(), targets(), list_, options_);
-      const auto values = fit.values().values();
-      if (expected_.empty()) expected_.assign(values.begin(), values.end());
-      check({values.begin(), values.end()});
+      const auto values = numbers_of(fit.values());
+      if (expected_.empty()) expected_ = values;
+      check(values);
       (solver == recon::Solver::gram_schmidt ? pair.imls : pair.mls) =
           micro() * fastest(
                         Timer::one_thread, budget_, [&] { return list_; },

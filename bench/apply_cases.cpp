@@ -46,28 +46,16 @@ struct Entries {
   std::vector<double> values;
 };
 
-// f(particle, value) for the entries of target t, through whichever way in the operator offers.
-template <class Operator, class Function>
-void for_each_entry(const Operator& matrix, std::size_t t, const Function& f) {
-  if constexpr (requires { matrix.row(t); }) {
-    const auto row = matrix.row(t);
-    for (std::size_t i = 0; i < row.size(); ++i) f(row.particle(i), row.value(i));
-  } else {
-    for (std::int64_t e = matrix.offsets()[t]; e < matrix.offsets()[t + 1]; ++e)
-      f(matrix.indices()[e], matrix.values()[e]);
-  }
-}
-
 Entries entries_of(const recon::CsrOperator<double>& matrix) {
   Entries copy;
   copy.pattern = {setting.k,
                   hand_written::Array<std::uint32_t>(new std::uint32_t[matrix.entries()]), nullptr};
   copy.values.reserve(matrix.entries());
   for (std::size_t t = 0; t < matrix.rows(); ++t)
-    for_each_entry(matrix, t, [&](recon::ParticleIndex particle, double value) {
-      copy.pattern.index[copy.values.size()] = particle;
-      copy.values.push_back(value);
-    });
+    for (std::size_t i = 0; i < matrix.row(t).size(); ++i) {
+      copy.pattern.index[copy.values.size()] = matrix.row(t).particle(i);
+      copy.values.push_back(matrix.row(t).value(i));
+    }
   return copy;
 }
 

@@ -115,7 +115,7 @@ TEST(TemplateInterface, EqualsTheRunTimeInterface) {
         for (const double slope : slopes) largest_slope = std::max(largest_slope, std::abs(slope));
       for (std::size_t i = 0; i < shape.neighbours.size(); ++i) {
         EXPECT_EQ(shape.neighbours[i], fit.values().row(t).particle(i));
-        const double tolerance = rounding<double>(shape.report);
+        const double tolerance = testing::rounding<double>(shape.report);
         EXPECT_NEAR(shape.value[i], fit.values().row(t).value(i), tolerance);
         for (int d = 0; d < 2; ++d)
           EXPECT_NEAR(shape.gradient[i][d], gradient.row(t).value(i, d), tolerance * largest_slope);
