@@ -104,7 +104,7 @@ void time_apply(Lab& lab, const std::string& name, const Cloud<double, 3>& cloud
   std::optional<recon::Reconstruction> alone;
   if (threads > 1) {
     call.threads = 1;
-    alone.emplace(call.construct(cloud, fit.neighbours()));
+    alone.emplace(call.reconstruct(cloud));
     all.push_back({"recon_one_thread",
                    [&] { alone->apply(recon::field_of(cloud.u), recon::field_of(out)); }});
   }

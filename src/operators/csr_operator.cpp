@@ -46,13 +46,21 @@ Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32
 template <int B, int C, class Scalar>
 void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
               std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
-  Scalar total[B * C] = {};
-  for (std::int64_t e = begin; e < end; ++e) {
+  // Several partial sums: one alone would wait for each addition before the next can begin.
+  constexpr int parts = B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1;
+  Scalar total[parts][B * C] = {};
+  const auto add = [&](std::int64_t e, Scalar* to) {
     const Scalar* u = in + indices[e] * stride;
     for (int c = 0; c < C; ++c)
-      for (int b = 0; b < B; ++b) total[c * B + b] += values[e * B + b] * u[c];
-  }
-  std::copy(total, total + B * C, sums);
+      for (int b = 0; b < B; ++b) to[c * B + b] += values[e * B + b] * u[c];
+  };
+  std::int64_t e = begin;
+  for (; e + parts <= end; e += parts)
+    for (int i = 0; i < parts; ++i) add(e + i, total[i]);
+  for (; e < end; ++e) add(e, total[0]);
+  for (int i = 1; i < parts; ++i)
+    for (int j = 0; j < B * C; ++j) total[0][j] += total[i][j];
+  std::copy(total[0], total[0] + B * C, sums);
 }
 
 template <int B, class Scalar>

@@ -152,7 +152,7 @@ struct BasicReconstruction<Scalar>::Problem {
   }
 
   void sort(PointCloud<Scalar>& cloud, std::vector<std::uint32_t>& order) {
-    if (cloud.size() < fewest_sorted) return;
+    if (cloud.size() < fewest_sorted || is_spatially_ordered(cloud)) return;
     order = spatial_order(cloud, threads);
     cloud = cloud.permuted(order, threads);
   }

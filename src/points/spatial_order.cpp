@@ -64,6 +64,39 @@ std::vector<std::uint32_t> spatial_order(const PointCloud<Scalar>& points, int t
   return order;
 }
 
+template <class Scalar>
+bool is_spatially_ordered(const PointCloud<Scalar>& points) {
+  constexpr std::size_t most_samples = 1000;
+  constexpr double short_step = 4;  // mean spacings
+  const std::size_t n = points.size();
+  if (n < 2) return true;
+  double log_volume = 0;
+  int axes = 0;
+  for (int d = 0; d < points.dimension(); ++d) {
+    const auto extent = static_cast<double>(points.box().extent(d));
+    if (!(extent > 0)) continue;
+    log_volume += std::log(extent);
+    ++axes;
+  }
+  if (axes == 0) return true;
+  const double spacing = std::exp((log_volume - std::log(static_cast<double>(n))) / axes);
+  const std::size_t stride = (n - 1 + most_samples - 1) / most_samples;
+  std::size_t steps = 0, short_steps = 0;
+  for (std::size_t i = 0; i + 1 < n; i += stride) {
+    double square = 0;
+    for (int d = 0; d < points.dimension(); ++d) {
+      const double step =
+          (static_cast<double>(points(i + 1, d)) - static_cast<double>(points(i, d))) / spacing;
+      square += step * step;
+    }
+    ++steps;
+    short_steps += square < short_step * short_step;
+  }
+  return 5 * short_steps >= 4 * steps;
+}
+
+template bool is_spatially_ordered(const PointCloud<float>&);
+template bool is_spatially_ordered(const PointCloud<double>&);
 template std::vector<std::uint32_t> spatial_order(const PointCloud<float>&, int);
 template std::vector<std::uint32_t> spatial_order(const PointCloud<double>&, int);
 

@@ -19,6 +19,14 @@ namespace recon {
 template <class Scalar>
 std::vector<std::uint32_t> spatial_order(const PointCloud<Scalar>& points, int threads = 0);
 
+// Do the points follow each other in space as they stand, as particles sorted by a code or nodes of
+// a grid do? True where four of five steps from a point to the next are shorter than four mean
+// spacings, judged by a thousand of them.
+template <class Scalar>
+bool is_spatially_ordered(const PointCloud<Scalar>& points);
+
+extern template bool is_spatially_ordered(const PointCloud<float>&);
+extern template bool is_spatially_ordered(const PointCloud<double>&);
 extern template std::vector<std::uint32_t> spatial_order(const PointCloud<float>&, int);
 extern template std::vector<std::uint32_t> spatial_order(const PointCloud<double>&, int);
 
