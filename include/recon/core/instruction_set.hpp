@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iterator>
 #include <span>
 #include <string_view>
 
@@ -21,7 +22,8 @@ enum class InstructionSet : std::uint8_t {
 
 constexpr std::string_view name_of(InstructionSet set) {
   constexpr std::string_view names[] = {"automatic", "generic", "avx2", "avx512"};
-  return names[static_cast<std::size_t>(set)];
+  const auto place = static_cast<std::size_t>(set);
+  return place < std::size(names) ? names[place] : "unknown";
 }
 
 // The sets that this build holds and this processor has, the best one last. `generic` is always
