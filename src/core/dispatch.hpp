@@ -15,25 +15,33 @@
 
 #include "recon/core/instruction_set.hpp"
 
-#ifdef RECON_X86_SETS
-#define RECON_FOR_EACH_SET(...) \
-  namespace generic {           \
-  __VA_ARGS__;                  \
-  }                             \
-  namespace avx2 {              \
-  __VA_ARGS__;                  \
-  }                             \
-  namespace avx512 {            \
-  __VA_ARGS__;                  \
+#ifdef RECON_AVX2_SET
+#define RECON_IN_AVX2(...) \
+  namespace avx2 {         \
+  __VA_ARGS__;             \
   }
-#define RECON_DISPATCH(set, ...)                                   \
-  ((set) == ::recon::InstructionSet::avx512 ? &avx512::__VA_ARGS__ \
-   : (set) == ::recon::InstructionSet::avx2 ? &avx2::__VA_ARGS__   \
-                                            : &generic::__VA_ARGS__)
+#define RECON_IF_AVX2(set, ...) (set) == ::recon::InstructionSet::avx2 ? &avx2::__VA_ARGS__:
 #else
+#define RECON_IN_AVX2(...)
+#define RECON_IF_AVX2(set, ...)
+#endif
+
+#ifdef RECON_AVX512_SET
+#define RECON_IN_AVX512(...) \
+  namespace avx512 {         \
+  __VA_ARGS__;               \
+  }
+#define RECON_IF_AVX512(set, ...) (set) == ::recon::InstructionSet::avx512 ? &avx512::__VA_ARGS__:
+#else
+#define RECON_IN_AVX512(...)
+#define RECON_IF_AVX512(set, ...)
+#endif
+
 #define RECON_FOR_EACH_SET(...) \
   namespace generic {           \
   __VA_ARGS__;                  \
-  }
-#define RECON_DISPATCH(set, ...) (&generic::__VA_ARGS__)
-#endif
+  }                             \
+  RECON_IN_AVX2(__VA_ARGS__)    \
+  RECON_IN_AVX512(__VA_ARGS__)
+#define RECON_DISPATCH(set, ...) \
+  (RECON_IF_AVX512(set, __VA_ARGS__) RECON_IF_AVX2(set, __VA_ARGS__) & generic::__VA_ARGS__)

@@ -14,11 +14,13 @@ std::span<const InstructionSet> available_instruction_sets() {
       std::array<InstructionSet, 3> list{InstructionSet::generic};
       std::size_t size = 1;
     } found;
-#ifdef RECON_X86_SETS
+#ifdef RECON_AVX2_SET
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
         __builtin_cpu_supports("bmi2"))
       found.list[found.size++] = InstructionSet::avx2;
+#endif
+#ifdef RECON_AVX512_SET
     if (found.size == 2 && __builtin_cpu_supports("avx512f") &&
         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))

@@ -191,8 +191,7 @@ inline void rank_some(const T* values, std::int64_t count, std::int64_t begin, T
   }
   for (std::int64_t j = 0; j < count; ++j) {
     const P other(values[j]);
-    for (int v = 0; v < vectors; ++v)
-      std::experimental::where(other < own[v], smaller_ones[v]) += P(T(1));
+    for (int v = 0; v < vectors; ++v) smaller_ones[v] += select(other < own[v], P(T(1)), P(T(0)));
   }
   for (int v = 0; v < vectors; ++v)
     smaller_ones[v].copy_to(rank + begin + v * lanes, std::experimental::element_aligned);

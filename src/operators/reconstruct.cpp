@@ -164,6 +164,7 @@ struct BasicReconstruction<Scalar>::Problem {
     search.shape = options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
     search.search = options.search;
     search.threads = threads;
+    search.instruction_set = options.instruction_set;
     if (options.visible)
       search.visible = [this, &visible = options.visible](std::size_t t, std::size_t p) {
         return visible(caller_target(t), particle_of.empty() ? p : particle_of[p]);

@@ -48,8 +48,7 @@ TEST(SpatialOrder, StepsAreShort) {
   double length = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
     double square = 0;
-    for (int d = 0; d < 3; ++d)
-      square += std::pow(sorted(i, d) - sorted(i - 1, d), 2);
+    for (int d = 0; d < 3; ++d) square += std::pow(sorted(i, d) - sorted(i - 1, d), 2);
     length += std::sqrt(square);
   }
   EXPECT_LT(length / 100000, 3 * std::cbrt(1e-5));

@@ -8,6 +8,11 @@
 
 #include "recon/core/lanes.hpp"
 
+#if defined(__clang__) && defined(__AVX512F__)
+#error \
+    "clang with libstdc++'s simd assigns to the wrong AVX-512 lanes: use g++, or no -march flags (recon chooses instruction sets itself)"
+#endif
+
 namespace recon {
 
 template <class Scalar>

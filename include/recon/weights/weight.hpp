@@ -64,9 +64,12 @@ constexpr double binomial(int n, int k) {
   return value;
 }
 
-constexpr double factorial(int n) {
-  return n < 2 ? 1.0 : n * factorial(n - 1);
-}
+template <int N>
+inline constexpr double factorial = [] {
+  double value = 1;
+  for (int i = 2; i <= N; ++i) value *= i;
+  return value;
+}();
 
 }  // namespace detail
 
@@ -80,12 +83,12 @@ struct BSpline {
 
   template <class T>
   constexpr T operator()(T q) const {
-    return sum<P>((T(1) - q) * constant<T>((P + 1) / 2.0)) * constant<T>(1 / detail::factorial(P));
+    return sum<P>((T(1) - q) * constant<T>((P + 1) / 2.0)) * constant<T>(1 / detail::factorial<P>);
   }
   template <class T>
   constexpr T derivative(T q) const {
     return sum<P - 1>((T(1) - q) * constant<T>((P + 1) / 2.0)) *
-           constant<T>(-(P + 1) / 2.0 / detail::factorial(P - 1));
+           constant<T>(-(P + 1) / 2.0 / detail::factorial<P - 1>);
   }
 
  private:
