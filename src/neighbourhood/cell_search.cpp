@@ -487,18 +487,6 @@ SortedPoints<S, D> by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targ
       threads, nullptr);
 }
 
-// resize(), but the pages of memory are touched in parallel before.
-template <class T>
-void resize_in_parallel(std::vector<T>& list, std::size_t size, int threads) {
-  constexpr std::size_t page = 4096 / sizeof(T) + 1;
-  list.reserve(size);
-  T* const memory = list.data();
-  recon::parallel_blocks(size, 64 * page, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; i += page) ::new (static_cast<void*>(memory + i)) T{};
-  });
-  list.resize(size);
-}
-
 template <class S, int D, bool periodic>
 NeighbourList<S> find_all(Shared<S, D>& shared) {
   using Targets = CellTargets<S, D, periodic>;
@@ -512,11 +500,11 @@ NeighbourList<S> find_all(Shared<S, D>& shared) {
   const SortedPoints<S, D>& order = same ? cells.sorted() : own;
 
   NeighbourList<S> list;
-  resize_in_parallel(list.offsets, count + 1, threads);
-  resize_in_parallel(list.support, count, threads);
+  list.offsets.resize(count + 1);
+  list.support.resize(count);
   const auto resize = [&](std::size_t entries) {
-    resize_in_parallel(list.indices, entries, threads);
-    if (periodic) resize_in_parallel(list.shifts, entries, threads);
+    list.indices.resize(entries);
+    if (periodic) list.shifts.resize(entries);
   };
   const auto write = [&](const Key* keys, std::size_t size, std::size_t at) {
     for (std::size_t i = 0; i < size; ++i) list.indices[at + i] = Targets::index_of(keys[i]);

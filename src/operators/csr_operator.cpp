@@ -95,7 +95,7 @@ std::size_t SparsityPattern<Scalar>::row(std::size_t target) const {
 template <class Scalar>
 const typename SparsityPattern<Scalar>::Transposed& SparsityPattern<Scalar>::transposed() const {
   std::call_once(once_transposed_, [this] {
-    const std::vector<ParticleIndex>& indices = neighbours.indices;
+    const Array<ParticleIndex>& indices = neighbours.indices;
     Transposed t;
     t.offsets.assign(columns + 1, 0);
     for (const ParticleIndex p : indices) ++t.offsets[p + 1];

@@ -315,9 +315,9 @@ TEST(PeriodicImages, OneParticleIsItsOwnNeighbour) {
   const auto cloud = cloud_of(PointList<double, 1>{{0.25}});
   auto list = find_neighbours(cloud, cloud, Radius{2.5}, domain);
   EXPECT_EQ(list.shifts,
-            (std::vector<ImageShift>{{-2, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {2, 0, 0}}));
+            (Array<ImageShift>{{-2, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {2, 0, 0}}));
   list = find_neighbours(cloud, cloud, Nearest{4}, domain);
-  EXPECT_EQ(list.shifts, (std::vector<ImageShift>{{0, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {-2, 0, 0}}));
+  EXPECT_EQ(list.shifts, (Array<ImageShift>{{0, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {-2, 0, 0}}));
   EXPECT_EQ(list.support[0], 3);
   EXPECT_EQ(find_neighbours(cloud, cloud, Radius{127.5}, domain).count(0), 255);
   EXPECT_EQ(find_neighbours(cloud, cloud, Nearest{255}, domain).count(0), 255);

@@ -320,7 +320,7 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
   const Scalar spacing = detail::mean_spacing(particles, domain);
 
   NeighbourList<Scalar> list;
-  list.offsets.assign(count + 1, 0);
+  list.offsets.resize(count + 1);
   list.support.resize(count);
   parallel_blocks(count, block_size, options.threads, [&](std::size_t begin, std::size_t end) {
     detail::TargetNeighbours<S> neighbours(search, particles, targets, domain, options, spacing);

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "recon/core/array.hpp"
 #include "recon/core/error.hpp"
 #include "recon/points/view.hpp"
 
@@ -26,13 +26,14 @@ using ImageShift = std::array<std::int8_t, max_dimension>;
 
 // The neighbours of target t are indices[offsets[t]] .. indices[offsets[t + 1] - 1]. `shifts` is
 // empty in domains that are not periodic; else it has an entry per index. `support` holds the
-// support radius rho (a length) of every target.
+// support radius rho (a length) of every target. An Array is a std::vector whose resize() does not
+// set new elements to zero; a list of your own is copied with assign(begin, end).
 template <class Scalar>
 struct NeighbourList {
-  std::vector<std::int64_t> offsets{0};
-  std::vector<ParticleIndex> indices;
-  std::vector<ImageShift> shifts;
-  std::vector<Scalar> support;
+  Array<std::int64_t> offsets{0};
+  Array<ParticleIndex> indices;
+  Array<ImageShift> shifts;
+  Array<Scalar> support;
 
   std::size_t targets() const { return offsets.size() - 1; }
   std::int64_t count(std::size_t target) const { return offsets[target + 1] - offsets[target]; }

@@ -116,7 +116,7 @@ class Mapper {
       NeighbourOptions search{.threads = options_.threads};
       if (options_.form == WeightForm::tensor_product) search.shape = SupportShape::cube;
       const PointCloud<double> wrapped(targets, "targets", options_.domain);
-      const std::vector<double> radii = std::move(found.support);
+      const Array<double> radii = std::move(found.support);
       found = find_neighbours(kernel_->particles(), wrapped, Radii{radii}, options_.domain, search);
     }
     for (std::size_t f = 0; f < plan_.size(); ++f) {
