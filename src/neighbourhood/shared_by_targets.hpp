@@ -1,0 +1,120 @@
+// What all targets of a batch search by cells share: the question, the sorted particles, the
+// kernels, and what is known beforehand about the distance of the k-th neighbour.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <variant>
+
+#include "neighbourhood/cells.hpp"
+#include "neighbourhood/tree_for_hard_targets.hpp"
+#include "recon/neighbourhood/cell_grid.hpp"
+#include "recon/neighbourhood/find_neighbours_with.hpp"
+
+namespace recon::detail {
+
+// A rule in the form that the search works with.
+template <class S>
+struct Question {
+  bool nearest = false;
+  std::size_t k = 0;
+  double factor = 0;              // of Nearest; 0 for NearestWithin
+  S radius = 0;                   // of all targets; infinite for Nearest
+  std::span<const double> radii;  // one per target, of Radii
+
+  explicit Question(const NeighbourRule& rule) {
+    if (const auto* within = std::get_if<Radius>(&rule)) {
+      radius = static_cast<S>(within->radius);
+    } else if (const auto* own = std::get_if<Radii>(&rule)) {
+      radii = own->radii;
+    } else if (const auto* near = std::get_if<Nearest>(&rule)) {
+      nearest = true;
+      k = near->k;
+      factor = near->factor;
+      radius = std::numeric_limits<S>::infinity();
+    } else if (const auto* near_within = std::get_if<NearestWithin>(&rule)) {
+      nearest = true;
+      k = near_within->k;
+      radius = static_cast<S>(near_within->radius);
+    }
+  }
+
+  S radius_of(std::size_t target) const {
+    return radii.empty() ? radius : static_cast<S>(radii[target]);
+  }
+};
+
+// The kernels of one instruction set.
+template <class S, int D>
+struct SearchKernels {
+  decltype(&generic::gather_ball<S, D>) gather;
+  decltype(&generic::ranks<S>) rank_distances;
+  decltype(&generic::ranks<std::uint32_t>) rank_indices;
+  std::size_t most_ranked;  // sorting is faster beyond
+
+  SearchKernels(InstructionSet set, SupportShape shape, bool nearest)
+      : gather(shape == SupportShape::cube && !nearest ? RECON_DISPATCH(set, gather_cube<S, D>)
+                                                       : RECON_DISPATCH(set, gather_ball<S, D>)),
+        rank_distances(RECON_DISPATCH(set, ranks<S>)),
+        rank_indices(RECON_DISPATCH(set, ranks<std::uint32_t>)),
+        most_ranked(set == InstructionSet::avx512 ? 256
+                    : set == InstructionSet::avx2 ? 160
+                                                  : 96) {}
+};
+
+template <class S, int D>
+struct SharedByTargets {
+  const PointCloud<S>& particles;
+  const PointCloud<S>& targets;
+  const NeighbourRule& rule;
+  const PeriodicDomain<S>& domain;
+  const NeighbourOptions& options;
+  const Question<S> question;
+  const CellGrid<S, D> grid;
+  const SearchKernels<S, D> kernels;
+  const S spacing;
+  int axes = 0;         // along which the particles extend
+  double start = 0;     // a first guess of the k-th distance
+  double widening = 1;  // by which guesses exceed the k-th distance
+  double least_period = 0;
+  TreeForHardTargets<S, D> tree;
+
+  static double cell_size(const PointCloud<S>& points, const Question<S>& question) {
+    constexpr double particles_per_cell = 3;
+    const double size = density_cell_size(points, particles_per_cell);
+    if (question.nearest) return size;
+    auto radius = static_cast<double>(question.radius);
+    for (const double r : question.radii) radius += r / static_cast<double>(question.radii.size());
+    return std::clamp(radius / 2, size, std::numeric_limits<double>::max());
+  }
+
+  SharedByTargets(const PointCloud<S>& all_particles, const PointCloud<S>& all_targets,
+                  const NeighbourRule& neighbour_rule, const PeriodicDomain<S>& where,
+                  const NeighbourOptions& how, bool may_build_tree)
+      : particles(all_particles),
+        targets(all_targets),
+        rule(neighbour_rule),
+        domain(where),
+        options(how),
+        question(rule),
+        grid(particles, cell_size(particles, question), options.threads),
+        kernels(resolved(options.instruction_set), options.shape, question.nearest),
+        spacing(mean_spacing(particles, domain)),
+        tree(particles, may_build_tree, question.k) {
+    for (int d = 0; d < D; ++d) axes += particles.box().extent(d) > 0;
+    axes = std::max(axes, 1);
+    const auto k = static_cast<double>(question.k);
+    const double unit_ball = axes == 1 ? 2.0 : axes == 2 ? 3.14 : 4.19;
+    start = static_cast<double>(spacing) * std::pow(std::max(k, 1.0) / unit_ball, 1.0 / axes);
+    // Evenly spread particles in a ball that holds m on average number m +- sqrt(m).
+    widening = std::pow((k + 1.6 * std::sqrt(k) + 1) / std::max(k, 1.0), 1.0 / axes);
+    least_period = std::numeric_limits<double>::infinity();
+    for (int d = 0; d < D; ++d)
+      if (domain.periodic[d])
+        least_period = std::min(least_period, static_cast<double>(domain.period(d)));
+  }
+};
+
+}  // namespace recon::detail
