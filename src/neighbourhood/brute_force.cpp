@@ -1,5 +1,6 @@
 #include "recon/neighbourhood/brute_force.hpp"
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/query.hpp"
 
 namespace recon {
@@ -42,11 +43,8 @@ void BruteForce<S, D>::in_box(const Point& lower, const Point& upper, Found& fou
       found.push_back({static_cast<ParticleIndex>(i), 0});
 }
 
-template class BruteForce<float, 1>;
-template class BruteForce<float, 2>;
-template class BruteForce<float, 3>;
-template class BruteForce<double, 1>;
-template class BruteForce<double, 2>;
-template class BruteForce<double, 3>;
+#define RECON_INSTANTIATE(S, D) template class BruteForce<S, D>
+RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
+#undef RECON_INSTANTIATE
 
 }  // namespace recon

@@ -1,5 +1,6 @@
 #include "recon/neighbourhood/cell_grid.hpp"
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/cells.hpp"
 #include "neighbourhood/query.hpp"
 
@@ -175,11 +176,8 @@ void CellGrid<S, D>::in_box(const Point& lower, const Point& upper, Found& found
   detail::sort_by_index(found);
 }
 
-template class CellGrid<float, 1>;
-template class CellGrid<float, 2>;
-template class CellGrid<float, 3>;
-template class CellGrid<double, 1>;
-template class CellGrid<double, 2>;
-template class CellGrid<double, 3>;
+#define RECON_INSTANTIATE(S, D) template class CellGrid<S, D>
+RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
+#undef RECON_INSTANTIATE
 
 }  // namespace recon

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/instantiate.hpp"
 #include "recon/core/pack.hpp"
 
 #ifdef __AVX512VL__
@@ -223,13 +224,8 @@ void ranks(T* values, std::int64_t count, T* rank) {
 
 #define RECON_INSTANTIATE(S, D)                                                           \
   template GatherResult gather_ball<S, D>(const CellView<S>&, const S*, S, Gathered<S>&); \
-  template GatherResult gather_cube<S, D>(const CellView<S>&, const S*, S, Gathered<S>&);
-RECON_INSTANTIATE(float, 1)
-RECON_INSTANTIATE(float, 2)
-RECON_INSTANTIATE(float, 3)
-RECON_INSTANTIATE(double, 1)
-RECON_INSTANTIATE(double, 2)
-RECON_INSTANTIATE(double, 3)
+  template GatherResult gather_cube<S, D>(const CellView<S>&, const S*, S, Gathered<S>&)
+RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE
 template void ranks<float>(float*, std::int64_t, float*);
 template void ranks<double>(double*, std::int64_t, double*);

@@ -1,5 +1,6 @@
 #include "neighbourhood/cell_search.hpp"
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/all_targets.hpp"
 
 namespace recon::detail {
@@ -29,13 +30,8 @@ std::optional<NeighbourList<Scalar>> find_by_cells(const PointCloud<Scalar>& par
 #define RECON_INSTANTIATE(S, D)                                                                   \
   template std::optional<NeighbourList<S>> find_by_cells<D, S>(                                   \
       const PointCloud<S>&, const PointCloud<S>&, const NeighbourRule&, const PeriodicDomain<S>&, \
-      const NeighbourOptions&, bool);
-RECON_INSTANTIATE(float, 1)
-RECON_INSTANTIATE(float, 2)
-RECON_INSTANTIATE(float, 3)
-RECON_INSTANTIATE(double, 1)
-RECON_INSTANTIATE(double, 2)
-RECON_INSTANTIATE(double, 3)
+      const NeighbourOptions&, bool)
+RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE
 
 }  // namespace recon::detail

@@ -2,6 +2,7 @@
 
 #include <nanoflann.hpp>
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/query.hpp"
 
 namespace recon {
@@ -165,11 +166,8 @@ void KdTree<S, D>::in_box(const Point& lower, const Point& upper, Found& found) 
   detail::sort_by_index(found);
 }
 
-template class KdTree<float, 1>;
-template class KdTree<float, 2>;
-template class KdTree<float, 3>;
-template class KdTree<double, 1>;
-template class KdTree<double, 2>;
-template class KdTree<double, 3>;
+#define RECON_INSTANTIATE(S, D) template class KdTree<S, D>
+RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
+#undef RECON_INSTANTIATE
 
 }  // namespace recon

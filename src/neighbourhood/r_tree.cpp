@@ -4,6 +4,7 @@
 #include <boost/geometry/index/rtree.hpp>
 #include <iterator>
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/query.hpp"
 
 namespace recon {
@@ -202,11 +203,8 @@ void RTree<S, D>::move(ParticleIndex particle, const Point& x) {
   insert(particle, x);
 }
 
-template class RTree<float, 1>;
-template class RTree<float, 2>;
-template class RTree<float, 3>;
-template class RTree<double, 1>;
-template class RTree<double, 2>;
-template class RTree<double, 3>;
+#define RECON_INSTANTIATE(S, D) template class RTree<S, D>
+RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
+#undef RECON_INSTANTIATE
 
 }  // namespace recon
