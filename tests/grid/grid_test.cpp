@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "grid_support.hpp"
+#include "support/message_of.hpp"
 
 namespace recon::testing {
 namespace {
@@ -215,16 +216,6 @@ TYPED_TEST(Grid, AllParticlesInOneCellOrOnBordersOrOutside) {
   for (std::size_t i = 0; i < grid.size(); ++i) {
     EXPECT_LE(fit.report()[i].neighbours, 19u);
   }
-}
-
-template <class Call>
-std::string message_of(Call&& call) {
-  try {
-    call();
-  } catch (const InvalidArgument& error) {
-    return error.what();
-  }
-  return "no InvalidArgument was thrown";
 }
 
 TEST(GridInput, BadInputIsNamed) {

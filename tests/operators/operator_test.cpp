@@ -6,22 +6,13 @@
 #include "recon/recon.hpp"
 #include "support/clouds.hpp"
 #include "support/invariants.hpp"
+#include "support/message_of.hpp"
 #include "support/typed.hpp"
 
 namespace recon::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-template <class Call>
-std::string message_of(Call&& call) {
-  try {
-    call();
-  } catch (const InvalidArgument& error) {
-    return error.what();
-  }
-  return "no InvalidArgument was thrown";
-}
 
 template <class C>
 class Operator : public ::testing::Test {};
