@@ -174,13 +174,11 @@ void measure(const Context& context, bool beside, double thickness, Output& out)
 
 Section flattening_study(const Context& context) {
   Output out;
-  out.residual.title = "3-D, degree 2: targets within a cloud squeezed to a plane";
-  out.residual.x_label = "thickness / width of the cloud";
-  out.residual.y_label = "largest residual along the plane";
-  out.residual.log_x = out.residual.log_y = true;
-  out.amplification = out.residual;
-  out.amplification.title = "3-D, degree 2: targets half a spacing beside the plane";
-  out.amplification.y_label = "largest factor on errors in the data, sum |phi|";
+  const std::string thickness = "thickness / width of the cloud";
+  out.residual = log_log_plot("3-D, degree 2: targets within a cloud squeezed to a plane",
+                              thickness, "largest residual along the plane");
+  out.amplification = log_log_plot("3-D, degree 2: targets half a spacing beside the plane",
+                                   thickness, "largest factor on errors in the data, sum |phi|");
   for (const bool beside : {false, true})
     for (int digits = 1; digits <= 12; digits += context.quick ? 2 : 1)
       measure(context, beside, std::pow(10.0, -digits), out);

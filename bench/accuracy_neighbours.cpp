@@ -143,14 +143,10 @@ Table noise_table(const Context& context) {
 
 Section neighbour_study(const Context& context) {
   Tables tables;
-  tables.error.title = "3-D, random particles";
-  tables.error.x_label = "neighbours per term of the basis";
-  tables.error.y_label = "RMS error of a field of size 1";
-  tables.error.log_y = true;
-  tables.price = tables.error;
-  tables.price.title = "3-D, random particles: 1.1, 1.5, 2, 3, 4, 6 neighbours per term";
-  tables.price.x_label = "microseconds per target (MLS, one thread, neighbours given)";
-  tables.price.log_x = true;
+  const std::string error = "RMS error of a field of size 1";
+  tables.error = log_plot("3-D, random particles", "neighbours per term of the basis", error);
+  tables.price = log_log_plot("3-D, random particles: 1.1, 1.5, 2, 3, 4, 6 neighbours per term",
+                              "microseconds per target (MLS, one thread, neighbours given)", error);
   measure<1>(context, tables);
   measure<2>(context, tables);
   measure<3>(context, tables);

@@ -61,15 +61,6 @@ void measure(const std::vector<std::size_t>& meshes, std::size_t targets, Table&
     }
 }
 
-recon::LinePlot plot(const char* title, const char* y_label) {
-  recon::LinePlot plot;
-  plot.title = title;
-  plot.x_label = "particle spacing / width of the domain";
-  plot.y_label = y_label;
-  plot.log_x = plot.log_y = true;
-  return plot;
-}
-
 }  // namespace
 
 Section order_study(const Context& context) {
@@ -77,9 +68,11 @@ Section order_study(const Context& context) {
               {"dimension", "cloud", "degree", "order of values", "order of exact gradients",
                "order of diffuse gradients", "finest spacing", "RMS error", "RMS gradient error",
                "RMS diffuse gradient error"});
+  const std::string x_label = "particle spacing / width of the domain";
   Pictures pictures{
-      plot("2-D, jittered particles: values", "RMS error of a field of size 1"),
-      plot("2-D, jittered particles: exact gradients", "RMS error of the gradient, 1/length")};
+      log_log_plot("2-D, jittered particles: values", x_label, "RMS error of a field of size 1"),
+      log_log_plot("2-D, jittered particles: exact gradients", x_label,
+                   "RMS error of the gradient, 1/length")};
   const std::size_t targets = context.quick ? 200 : 2000;
   using Meshes = std::vector<std::size_t>;
   measure<1>(Meshes{40, 80, 160, 320}, targets, table, nullptr);

@@ -81,10 +81,9 @@ Section precision_study(const Context& context) {
   add_rows<double>(context, s, table);
   add_rows<float>(context, s, table);
   Floors floors;
-  floors.plot.title = "2-D, jittered particles, degree 2";
-  floors.plot.x_label = "particle spacing / width of the domain";
-  floors.plot.y_label = "RMS error (value: field of size 1; gradient: 1/length)";
-  floors.plot.log_x = floors.plot.log_y = true;
+  floors.plot =
+      log_log_plot("2-D, jittered particles, degree 2", "particle spacing / width of the domain",
+                   "RMS error (value: field of size 1; gradient: 1/length)");
   for (const int degree : {1, 2, 4}) find_floor(context, degree, floors);
   Section section{
       "Float or double",

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "context.hpp"
+#include "pictures.hpp"
 #include "recon/io/picture.hpp"
 
 namespace recon_bench {

@@ -51,11 +51,8 @@ Section solver_study(const Context& context) {
                "RMS gradient error", "max gradient error", "residual", "reduced %", "handed over %",
                "construct us", "over MLS", "construct us parallel", "gradient us", "apply us",
                "apply us parallel", "bytes"});
-  recon::LinePlot plot;
-  plot.title = "Shape functions in 3-D, 2 terms + 1 neighbours, one thread";
-  plot.x_label = "degree";
-  plot.y_label = "microseconds per target";
-  plot.log_y = true;
+  recon::LinePlot plot = log_plot("Shape functions in 3-D, 2 terms + 1 neighbours, one thread",
+                                  "degree", "microseconds per target");
   plot.x_range = recon::Range{0.8, 4.2};
   plot.curves.resize(4);
   measure<1>(context, table, nullptr);

@@ -136,11 +136,8 @@ Section tran_cost_study(const Context& context) {
   Table table("tran_figure_6", {"terms", "points per node", "MLS us", "IMLS us", "IMLS / MLS",
                                 "solver MLS us", "solver IMLS us", "solver IMLS / MLS",
                                 "plain MLS us", "plain IMLS us", "plain IMLS / MLS"});
-  recon::LinePlot plot;
-  plot.title = "Figure 6 of Tran et al.: cost of a node, 2-D, one thread";
-  plot.x_label = "particles per node";
-  plot.y_label = "microseconds per node, neighbours given";
-  plot.log_y = true;
+  recon::LinePlot plot = log_plot("Figure 6 of Tran et al.: cost of a node, 2-D, one thread",
+                                  "particles per node", "microseconds per node, neighbours given");
   const std::size_t step = context.quick ? 90 : 20;
   measure<1>(context, step, table, plot);
   measure<2>(context, step, table, plot);

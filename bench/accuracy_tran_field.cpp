@@ -63,11 +63,8 @@ void figure_4(const Context& context, Section& section) {
   const auto errors = all_errors(mesh);
   Table table("tran_figure_4", {"x", "sin x", "IMLS", "MLS", "MPM mapping", "error IMLS",
                                 "error MLS", "error MPM mapping"});
-  recon::LinePlot plot;
-  plot.title = "Figure 4 of Tran et al.: sin x at the nodes of 20 cells";
-  plot.x_label = "x";
-  plot.y_label = "absolute error";
-  plot.log_y = true;
+  recon::LinePlot plot =
+      log_plot("Figure 4 of Tran et al.: sin x at the nodes of 20 cells", "x", "absolute error");
   plot.curves.resize(2);
   for (std::size_t i = 0; i < errors[0].size(); ++i) {
     const double x = mesh.setting.targets[i][0];
@@ -89,11 +86,8 @@ void figure_4(const Context& context, Section& section) {
 void figure_5(const Context& context, Section& section) {
   Table table("tran_figure_5", {"cells", "h", "IMLS", "IMLS, full support", "MLS",
                                 "largest IMLS - MLS", "MPM mapping"});
-  recon::LinePlot plot;
-  plot.title = "Figure 5 of Tran et al.: sin x on [1, 4]";
-  plot.x_label = "h / length unit of x";
-  plot.y_label = "RMS error over the nodes";
-  plot.log_x = plot.log_y = true;
+  recon::LinePlot plot = log_log_plot("Figure 5 of Tran et al.: sin x on [1, 4]",
+                                      "h / length unit of x", "RMS error over the nodes");
   std::vector<double> h;
   std::array<std::vector<double>, 4> rms;  // IMLS, MLS, MPM; IMLS without the nodes cut off
   for (int cells = 20; cells <= 640; cells *= 2) {

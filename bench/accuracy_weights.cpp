@@ -46,11 +46,8 @@ Section weight_study(const Context& context) {
               {"cloud", "degree", "weight", "RMS error", "RMS gradient error", "noise",
                "amplification", "reduced %", "MLS handed over %", "least RMS error",
                "at neighbours", "least RMS gradient error", "at neighbours (gradient)", "MLS us"});
-  recon::LinePlot plot;
-  plot.title = "3-D, random particles, degree 2";
-  plot.x_label = "neighbours";
-  plot.y_label = "RMS error of a field of size 1";
-  plot.log_y = true;
+  recon::LinePlot plot =
+      log_plot("3-D, random particles, degree 2", "neighbours", "RMS error of a field of size 1");
   for (const CloudKind kind : {CloudKind::jittered, CloudKind::random})
     for (const int degree : {1, 2}) {
       const auto s = make_setting<D>(kind, 20, context.quick ? 200 : 2000);

@@ -323,11 +323,8 @@ Section run_cloud(Lab& lab) {
   Table share("cloud_peak",
               {"workload", "flops per target", "moment_matrix % of peak", "gram_schmidt %",
                "hand %", "moment_matrix float %", "gram_schmidt float %"});
-  recon::LinePlot plot;
-  plot.title = "How many times faster than the hand-written loop";
-  plot.x_label = "neighbours (2-D: 6, 12; 3-D: 8, 20)";
-  plot.y_label = "ratio";
-  plot.log_y = true;
+  recon::LinePlot plot = log_plot("How many times faster than the hand-written loop",
+                                  "neighbours (2-D: 6, 12; 3-D: 8, 20)", "ratio");
   for (const Row& row : rows) plot.curves.emplace_back().name = label(row);
 
   for (const CloudSetting& setting : cloud_settings) {

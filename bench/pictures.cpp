@@ -7,6 +7,23 @@
 
 namespace recon_bench {
 
+recon::LinePlot log_plot(const std::string& title, const std::string& x_label,
+                         const std::string& y_label) {
+  recon::LinePlot plot;
+  plot.title = title;
+  plot.x_label = x_label;
+  plot.y_label = y_label;
+  plot.log_y = true;
+  return plot;
+}
+
+recon::LinePlot log_log_plot(const std::string& title, const std::string& x_label,
+                             const std::string& y_label) {
+  recon::LinePlot plot = log_plot(title, x_label, y_label);
+  plot.log_x = true;
+  return plot;
+}
+
 void draw_picture(const Context& context, Section& section, const std::string& name,
                   recon::LinePlot plot) {
   if (context.smoke) return;

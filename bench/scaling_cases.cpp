@@ -88,11 +88,7 @@ Section run_scaling(Lab& lab) {
   std::vector<std::size_t> sizes(std::begin(full_sizes), std::end(full_sizes));
   if (lab.context.quick) sizes.pop_back();
   if (lab.context.smoke) sizes.assign(std::begin(smoke_sizes), std::end(smoke_sizes));
-  recon::LinePlot plot;
-  plot.title = "Cost per target";
-  plot.x_label = "targets";
-  plot.y_label = "microseconds per target";
-  plot.log_x = plot.log_y = true;
+  recon::LinePlot plot = log_log_plot("Cost per target", "targets", "microseconds per target");
   for (const char* stage : stages) plot.curves.emplace_back().name = stage;
 
   double last = 0;  // seconds per target
