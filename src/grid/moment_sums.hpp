@@ -78,13 +78,13 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
     } else {
       T s[Q];
       const T first = load(w);
-      unrolled<Q>([&](auto k) RECON_INLINE_LAMBDA { s[k] = first * load(q + k * L); });
+      unroll<Q>([&](auto k) RECON_INLINE_LAMBDA { s[k] = first * load(q + k * L); });
       for (int i = 1; i < slots; ++i) {
         q += stride;
         const T next = load(w + i * L);
-        unrolled<Q>([&](auto k) RECON_INLINE_LAMBDA { s[k] += next * load(q + k * L); });
+        unroll<Q>([&](auto k) RECON_INLINE_LAMBDA { s[k] += next * load(q + k * L); });
       }
-      unrolled<Q>([&](auto k) RECON_INLINE_LAMBDA { sum[k] = s[k]; });
+      unroll<Q>([&](auto k) RECON_INLINE_LAMBDA { sum[k] = s[k]; });
     }
   }
 
@@ -93,7 +93,7 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
   template <int Degree>
   RECON_INLINE static void move(T* s, const T* offset) {
     using Steps = MoveSteps<D, Degree>;
-    unrolled<Steps::count>([&](auto i) RECON_INLINE_LAMBDA {
+    unroll<Steps::count>([&](auto i) RECON_INLINE_LAMBDA {
       constexpr auto step = Steps::all[i];
       s[step.to] -= offset[step.axis] * s[step.from];
     });
@@ -108,9 +108,8 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
       T sum[Q];
       product<Q>(q, stride, w, slots, sum);
       if constexpr (Moments > 0) move<2 * R>(sum, offset);
-      unrolled<C>([&](auto c) RECON_INLINE_LAMBDA { move<R>(sum + Moments + c * m, offset); });
-      unrolled<Q>([&](auto k)
-                      RECON_INLINE_LAMBDA { store(load(to + k * L) + sum[k], to + k * L); });
+      unroll<C>([&](auto c) RECON_INLINE_LAMBDA { move<R>(sum + Moments + c * m, offset); });
+      unroll<Q>([&](auto k) RECON_INLINE_LAMBDA { store(load(to + k * L) + sum[k], to + k * L); });
     }
   }
   template <int Moments, int C, class... Arguments>

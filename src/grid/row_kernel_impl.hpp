@@ -33,7 +33,7 @@ struct Kernel : NodeSizes<Scalar, D, R> {
         for (int a = 0; a < row.stencil[0]; ++a) {
           const std::array<int, 3> node{a, b, c};
           T offset[D];
-          unrolled<D>([&](auto d) RECON_INLINE_LAMBDA { offset[d] = T(row.offset[d][node[d]]); });
+          unroll<D>([&](auto d) RECON_INLINE_LAMBDA { offset[d] = T(row.offset[d][node[d]]); });
           batch.weights(a, offset);
           Scalar* to = to_row + static_cast<std::size_t>(g + a) * node_size;
           store(load(to) + batch.count(), to);

@@ -7,27 +7,17 @@
 #endif
 
 #include <type_traits>
-#include <utility>
 
 #include "grid/row_kernel.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/pack.hpp"
+#include "recon/core/unroll.hpp"
 
 namespace recon::RECON_SET {
 namespace {
 
 // Sums stay in registers only if all of this is one function.
-#define RECON_INLINE [[gnu::always_inline]] inline
-#define RECON_INLINE_LAMBDA __attribute__((always_inline))
-
-template <class Body, int... i>
-RECON_INLINE void unrolled(Body&& body, std::integer_sequence<int, i...>) {
-  (body(std::integral_constant<int, i>{}), ...);
-}
-template <int N, class Body>
-RECON_INLINE void unrolled(Body&& body) {
-  unrolled(body, std::make_integer_sequence<int, N>{});
-}
+using recon::detail::unroll;
 
 template <class Scalar>
 RECON_INLINE Pack<Scalar> load(const Scalar* from) {

@@ -15,7 +15,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
-#include <utility>
+
+#include "recon/core/unroll.hpp"
 
 namespace recon {
 
@@ -26,16 +27,6 @@ constexpr int term_count(int dimension, int degree) {
   long count = 1;
   for (int i = 1; i <= dimension; ++i) count = count * (degree + i) / i;
   return static_cast<int>(count);
-}
-
-// body(std::integral_constant<int, i>) for i = 0 .. N - 1, written out: what the tables say is then
-// known where the code is compiled.
-template <int N, class Body>
-constexpr void unroll(Body&& body) {
-  [&]<int... i>(std::integer_sequence<int, i...>) {
-    (body(std::integral_constant<int, i>{}), ...);
-  }
-  (std::make_integer_sequence<int, N>{});
 }
 
 }  // namespace detail
@@ -94,9 +85,10 @@ struct Monomials {
 
   // values[j] = factor * xi^exponents[j] for all terms, each one product from an earlier term.
   template <class T>
-  static constexpr void evaluate(const std::array<T, D>& xi, T* values, const T& factor = T(1)) {
+  RECON_INLINE static constexpr void evaluate(const std::array<T, D>& xi, T* values,
+                                              const T& factor = T(1)) {
     values[0] = factor;
-    detail::unroll<size - 1>([&](auto i) {
+    detail::unroll<size - 1>([&](auto i) RECON_INLINE_LAMBDA {
       constexpr Step step = steps[i + 1];
       values[i + 1] = values[step.parent] * xi[step.axis];
     });

@@ -55,8 +55,9 @@ class MomentMatrix {
   // The same from moments summed elsewhere: moments[a] = sum_p w_p xi_p^alpha, alpha the exponents
   // of term a of Monomials<D, 2 degree>.
   Mask factor(const Moments& moments, const T& noise) requires detail::is_monomials<B> {
-    detail::unroll<m>([&](auto i) {
-      detail::unroll<i + 1>([&](auto j) { lower_[i][j] = moments[place(i, j)]; });
+    detail::unroll<m>([&](auto i) RECON_INLINE_LAMBDA {
+      detail::unroll<i + 1>([&](auto j)
+                                RECON_INLINE_LAMBDA { lower_[i][j] = moments[place(i, j)]; });
     });
     return factor(noise);
   }
@@ -126,13 +127,13 @@ class MomentMatrix {
  private:
   using Scalar = ScalarOf<T>;
 
-  static T dot(const Vector& a, const Vector& b) {
+  RECON_INLINE static T dot(const Vector& a, const Vector& b) {
     T sum = a[0] * b[0];
     for (int j = 1; j < m; ++j) sum += a[j] * b[j];
     return sum;
   }
 
-  static Vector evaluate(const LocalCloud<T, D>& cloud, int p) {
+  RECON_INLINE static Vector evaluate(const LocalCloud<T, D>& cloud, int p) {
     Vector terms;
     B::evaluate(cloud.at(p), terms.data());
     return terms;
@@ -143,7 +144,7 @@ class MomentMatrix {
     for (int p = 0; p < cloud.size; ++p) {
       Moments powers;
       Monomials<D, 2 * B::degree>::evaluate(cloud.at(p), powers.data(), cloud.w[p]);
-      detail::unroll<moment_count>([&](auto a) { moments[a] += powers[a]; });
+      detail::unroll<moment_count>([&](auto a) RECON_INLINE_LAMBDA { moments[a] += powers[a]; });
     }
     return moments;
   }

@@ -67,10 +67,10 @@ class OrthonormalFit {
       std::array<T, C> r{};
       const T* u = this->column(first);
       for (int p = 0; p < n_; ++p)
-        detail::unroll<C>([&](auto j) { r[j] += u[j * n_ + p] * column[p]; });
+        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { r[j] += u[j * n_ + p] * column[p]; });
       for (int p = 0; p < n_; ++p) {
         T rest = column[p];
-        detail::unroll<C>([&](auto j) { rest -= r[j] * u[j * n_ + p]; });
+        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { rest -= r[j] * u[j * n_ + p]; });
         column[p] = rest;
       }
       for (int j = 0; j < C; ++j) {
@@ -142,7 +142,7 @@ class OrthonormalFit {
       const T* u = column(first);
       for (int p = 0; p < n_; ++p) {
         T sum = result[p];
-        detail::unroll<C>([&](auto j) { sum += c[j] * u[j * n_ + p]; });
+        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { sum += c[j] * u[j * n_ + p]; });
         result[p] = sum;
       }
     });
