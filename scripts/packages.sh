@@ -70,6 +70,7 @@ need_build() {
   need_command cmake cmake
   need_command ninja-build ninja make
   need_package libeigen3-dev libboost-dev libnanoflann-dev zlib1g-dev libcli11-dev
+  need_package libhdf5-dev libmuparser-dev libtomlplusplus-dev  # recon::mpm
 }
 
 need_pictures() {

@@ -1,7 +1,5 @@
 #include "recon/core/array.hpp"
 
-#include <cstdlib>
-
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
@@ -12,11 +10,11 @@ namespace {
 constexpr std::size_t large_page = std::size_t{2} << 20;
 }
 
+// By operator new, so that a program that replaces it sees these allocations, too.
 void* allocate_large(std::size_t bytes) {
   if (bytes > static_cast<std::size_t>(-1) - large_page) throw std::bad_alloc();
   const std::size_t whole = (bytes + large_page - 1) / large_page * large_page;
-  void* memory = std::aligned_alloc(large_page, whole);
-  if (!memory) throw std::bad_alloc();
+  void* memory = ::operator new (whole, std::align_val_t{large_page});
 #ifdef MADV_HUGEPAGE
   madvise(memory, whole, MADV_HUGEPAGE);  // a wish: nothing is lost where it is not granted
 #endif
@@ -24,7 +22,7 @@ void* allocate_large(std::size_t bytes) {
 }
 
 void deallocate_large(void* memory) noexcept {
-  std::free(memory);
+  ::operator delete (memory, std::align_val_t{large_page});
 }
 
 }  // namespace recon::detail

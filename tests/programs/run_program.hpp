@@ -27,7 +27,8 @@ struct Outcome {
 
 class ProgramTest : public testing::Test {
  protected:
-  ProgramTest() {
+  explicit ProgramTest(std::string name = "recon", std::string program = RECON_PROGRAM)
+      : name_(std::move(name)), program_(std::move(program)) {
     std::string pattern = (std::filesystem::temp_directory_path() / "recon-test-XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
   }
@@ -36,7 +37,7 @@ class ProgramTest : public testing::Test {
   // `arguments` as a shell reads them; $CHUTE is the example dump.
   Outcome run(const std::string& arguments) const {
     const std::string command = "cd '" + folder_.string() + "' && CHUTE='" + chute() +
-                                "' && exec '" RECON_PROGRAM "' " + arguments +
+                                "' && exec '" + program_ + "' " + arguments +
                                 " > .stdout 2> .stderr";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(".stdout"), read(".stderr")};
@@ -45,8 +46,8 @@ class ProgramTest : public testing::Test {
   // Runs what must succeed, and say nothing on the standard error.
   std::string succeed(const std::string& arguments) const {
     const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 0) << "recon " << arguments << "\n" << outcome.err;
-    EXPECT_EQ(outcome.err, "") << "recon " << arguments;
+    EXPECT_EQ(outcome.code, 0) << name_ << " " << arguments << "\n" << outcome.err;
+    EXPECT_EQ(outcome.err, "") << name_ << " " << arguments;
     return outcome.out;
   }
 
@@ -55,10 +56,10 @@ class ProgramTest : public testing::Test {
                       const testing::Matcher<const std::string&>& message) const {
     const std::vector<std::string> before = files();
     const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, code) << "recon " << arguments << "\n" << outcome.err;
-    EXPECT_THAT(outcome.err, testing::StartsWith("recon: ")) << "recon " << arguments;
-    EXPECT_THAT(outcome.err, message) << "recon " << arguments;
-    EXPECT_EQ(files(), before) << "recon " << arguments;
+    EXPECT_EQ(outcome.code, code) << name_ << " " << arguments << "\n" << outcome.err;
+    EXPECT_THAT(outcome.err, testing::StartsWith(name_ + ": ")) << name_ << " " << arguments;
+    EXPECT_THAT(outcome.err, message) << name_ << " " << arguments;
+    EXPECT_EQ(files(), before) << name_ << " " << arguments;
   }
 
   void write(const std::string& name, const std::string& text) const {
@@ -94,6 +95,7 @@ class ProgramTest : public testing::Test {
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
+  std::string name_, program_;
   std::filesystem::path folder_;
 };
 

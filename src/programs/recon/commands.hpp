@@ -1,15 +1,9 @@
 // The subcommands: each adds its options to the command line and gives back what to run.
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "programs/common/command_line.hpp"
 
 namespace recon::program {
-
-using Command = std::function<void()>;
 
 Command add_info(CLI::App& app);
 Command add_map(CLI::App& app);

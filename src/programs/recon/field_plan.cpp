@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "errors.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/text.hpp"
 #include "recon/core/names.hpp"
-#include "text.hpp"
 
 namespace recon::program {
 

@@ -1,7 +1,7 @@
 #include "fit_choice.hpp"
 
-#include "checks.hpp"
-#include "errors.hpp"
+#include "programs/common/checks.hpp"
+#include "programs/common/errors.hpp"
 
 namespace recon::program {
 

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <memory>
 
-#include "checks.hpp"
 #include "commands.hpp"
-#include "errors.hpp"
 #include "field_plan.hpp"
+#include "programs/common/checks.hpp"
+#include "programs/common/errors.hpp"
 #include "recon/io/read.hpp"
 #include "summary.hpp"
 

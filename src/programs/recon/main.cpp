@@ -1,114 +1,10 @@
 // recon: files with particles in, files with fields out. The command line, and the exit codes.
-#include <algorithm>
-#include <cctype>
-#include <cstdio>
-#include <exception>
-#include <filesystem>
-#include <new>
-
-#include "checks.hpp"
 #include "commands.hpp"
-#include "errors.hpp"
 
-namespace recon::program {
-
-namespace {
-
-constexpr const char* exit_codes =
-    "Exit codes:\n"
-    "  0  done\n"
-    "  1  wrong usage: an unknown option or field, a bad value\n"
-    "  2  the input: a file is missing, a line is broken, a number is not finite\n"
-    "  3  an output could not be written; files are written whole or not at all\n"
-    "  4  anything else\n"
-    "Messages go to the standard error, summaries to the standard output.";
-
-// Usage lines that name the arguments, and one blank line between groups.
-class HelpFormatter : public CLI::Formatter {
- public:
-  HelpFormatter() { column_width(30); }
-  std::string make_usage(const CLI::App* app, std::string name) const override {
-    const bool command = app->get_parent() != nullptr;
-    return "\nUsage: " + name + (command ? " FILE [OPTIONS]\n" : " COMMAND ...\n");
-  }
-  std::string make_group(std::string group, bool is_positional,
-                         std::vector<const CLI::Option*> options) const override {
-    std::string text = Formatter::make_group(group, is_positional, options);
-    if (is_positional) text.erase(0, text.find('\n', 1) + 1).insert(0, "\n");
-    return text;
-  }
-  std::string make_help(const CLI::App* app, std::string name,
-                        CLI::AppFormatMode mode) const override {
-    std::string text = Formatter::make_help(app, name, mode);
-    for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
-    return text;
-  }
-};
-
-// `recon help map` means `recon map --help`.
-std::vector<std::string> arguments(int argc, char** argv) {
-  std::vector<std::string> words(argv + 1, argv + argc);
-  if (words.empty()) return {"--help"};
-  if (words[0] == "help") {
-    words.erase(words.begin());
-    words.push_back("--help");
-  }
-  return words;
-}
-
-std::vector<std::string> option_names(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
-  }
-  return names;
-}
-
-// Is this word an option rather than a value such as -1?
-bool looks_like_option(const std::string& word) {
-  return word.starts_with("--") ||
-         (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])));
-}
-
-// Misspelt names are found here and not by the parser, which would complain about what it misses
-// before what it does not know.
-void check_names(const CLI::App& app, const std::vector<std::string>& words) {
-  const CLI::App* command = &app;
-  std::size_t first = 0;
-  if (!looks_like_option(words[0])) {
-    std::vector<std::string> commands;
-    for (const CLI::App* each : app.get_subcommands({})) {
-      commands.push_back(each->get_name());
-      if (each->get_name() == words[0]) command = each;
-    }
-    if (command == &app) {
-      if (std::filesystem::exists(words[0]))
-        fail_usage("'" + words[0] +
-                   "' is a file; what is to be done with it? For a start:\n  recon info " +
-                   words[0]);
-      fail_usage("unknown command '" + words[0] + "'; " + suggest(words[0], commands));
-    }
-    first = 1;
-  }
-  const std::vector<std::string> names = option_names(*command);
-  for (std::size_t i = first; i < words.size(); ++i) {
-    const std::string name = words[i].substr(0, words[i].find('='));
-    if (!looks_like_option(words[i]) || std::find(names.begin(), names.end(), name) != names.end())
-      continue;
-    fail_usage("unknown option '" + name + "'; " + suggest(name, names) + "\nSee recon " +
-               (first == 1 ? words[0] + " " : "") + "--help.");
-  }
-}
-
-void parse(CLI::App& app, std::vector<std::string> words) {
-  check_names(app, words);
-  std::reverse(words.begin(), words.end());  // as the parser wants them
-  app.parse(std::move(words));
-}
-
-int run(int argc, char** argv) {
-  CLI::App app{
+int main(int argc, char** argv) {
+  using namespace recon::program;
+  return run_program(
+      {.name = "recon", .file_hint = "info"},
       "recon turns scattered particle data into fields: values and gradients on grids, by "
       "weighted\n"
       "least squares (Shepard, MLS, IMLS) with a report for every node.\n\n"
@@ -116,59 +12,7 @@ int run(int argc, char** argv) {
       "  recon map FILE --fields vx --out v.vti     fields on a grid\n"
       "  recon profile FILE --fields vx --out v.csv fields along an axis\n"
       "  recon help map                             all about one of them",
-      "recon"};
-  app.set_version_flag("--version", "recon " RECON_VERSION, "the version");
-  app.require_subcommand(1);
-  app.footer(exit_codes);
-  app.formatter(std::make_shared<HelpFormatter>());
-  app.set_help_flag("-h,--help", "this help");
-  const Command info = add_info(app), map = add_map(app), profile = add_profile(app);
-  try {
-    parse(app, arguments(argc, argv));
-  } catch (const CLI::Success& asked_for) {  // --help, --version
-    return app.exit(asked_for);
-  } catch (const CLI::ExtrasError&) {
-    std::string extra;
-    for (const CLI::App* sub : app.get_subcommands())
-      for (const std::string& word : sub->remaining())
-        extra += (extra.empty() ? "'" : " '") + word + "'";
-    fail_usage("too many arguments: " + extra +
-               " (lists are written with commas and without blanks, as in vx,vy,vz)");
-  } catch (const CLI::ArgumentMismatch& error) {
-    const std::string what = error.what();
-    const bool missing = what.find("missing") != std::string::npos;
-    fail_usage(what.substr(0, what.find(':')) +
-               (missing ? " needs a value" : " can be given only once"));
-  } catch (const CLI::ParseError& error) {
-    fail_usage(error.what());
-  }
-  if (app.got_subcommand("info")) info();
-  if (app.got_subcommand("map")) map();
-  if (app.got_subcommand("profile")) profile();
-  std::fflush(stdout);
-  return success;
-}
-
-}  // namespace
-
-}  // namespace recon::program
-
-int main(int argc, char** argv) {
-  using namespace recon;
-  const auto fail = [](program::ExitCode code, const std::string& what) {
-    std::fflush(stdout);
-    std::fprintf(stderr, "recon: %s\n", what.c_str());
-    return code;
-  };
-  try {
-    return program::run(argc, argv);
-  } catch (const program::ProgramError& error) {
-    return fail(error.code(), error.what());
-  } catch (const InvalidArgument& error) {
-    return fail(program::wrong_usage, error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(program::internal_error, "out of memory; a larger --spacing needs less");
-  } catch (const std::exception& error) {
-    return fail(program::internal_error, error.what());
-  }
+      argc, argv, [](CLI::App& app) -> std::map<std::string, Command> {
+        return {{"info", add_info(app)}, {"map", add_map(app)}, {"profile", add_profile(app)}};
+      });
 }

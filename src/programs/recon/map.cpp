@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <memory>
 
-#include "checks.hpp"
 #include "commands.hpp"
 #include "csv_table.hpp"
-#include "errors.hpp"
 #include "mapping.hpp"
 #include "outputs.hpp"
+#include "programs/common/checks.hpp"
+#include "programs/common/errors.hpp"
 #include "recon/io/read.hpp"
 #include "recon/io/write.hpp"
 #include "slice_picture.hpp"

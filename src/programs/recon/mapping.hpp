@@ -3,7 +3,7 @@
 
 #include "field_plan.hpp"
 #include "particles.hpp"
-#include "progress.hpp"
+#include "programs/common/progress.hpp"
 #include "recon/fields/field_set.hpp"
 #include "recon/operators/fit_summary.hpp"
 #include "recon/shape/options.hpp"

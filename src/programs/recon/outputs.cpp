@@ -2,11 +2,11 @@
 
 #include <filesystem>
 
-#include "errors.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/text.hpp"
 #include "recon/io/atomic_file.hpp"
 #include "recon/io/picture.hpp"
 #include "recon/io/write.hpp"
-#include "text.hpp"
 
 namespace recon::program {
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "checks.hpp"
-#include "errors.hpp"
+#include "programs/common/checks.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/text.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/names.hpp"
 #include "recon/io/read.hpp"
-#include "text.hpp"
 
 namespace recon::program {
 

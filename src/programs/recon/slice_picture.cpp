@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "errors.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/text.hpp"
 #include "recon/io/picture.hpp"
-#include "text.hpp"
 
 namespace recon::program {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "text.hpp"
+#include "programs/common/text.hpp"
 
 namespace recon::program {
 

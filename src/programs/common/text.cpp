@@ -1,4 +1,4 @@
-#include "text.hpp"
+#include "programs/common/text.hpp"
 
 #include <charconv>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "programs/common/text.hpp"
 #include "recon/core/names.hpp"
-#include "text.hpp"
 
 // After the standard headers: CLI11 is one large header.
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-#include "progress.hpp"
+#include "programs/common/progress.hpp"
 
 #include <unistd.h>
 

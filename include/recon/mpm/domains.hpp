@@ -1,0 +1,333 @@
+// The particle domains: how a particle sees the linear functions N_i of the grid.
+//
+//     S_ip = average of N_i over the domain,   G_ip = average of grad N_i over the domain.
+//
+//   PointDomain   N_i(x_p), the original material point method (Sulsky, Chen, Schreyer 1994)
+//   UniformGimp   a box about x_p that keeps its reference edges (Gong 2015, eq. 6.19)
+//   StretchedGimp the same, edges stretched by the diagonal of F (cpGIMP)
+//   Cpdi1         a parallelepiped carried by F, N_i interpolated between its corners (eq. 6.21-6.27)
+//   Cpdi2         corners that move with the grid, quadrilaterals and hexahedra (eq. 6.28-6.32)
+//
+// sum_i S_ip = 1, sum_i G_ip = 0, and linear fields are interpolated exactly. A policy is an empty
+// struct: shape() writes S and G, volume() is the domain's volume, reach() how far it goes from x_p
+// along an axis, and move() takes what the domain itself remembers through a step.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "recon/core/error.hpp"
+#include "recon/mpm/grid.hpp"
+#include "recon/mpm/particles.hpp"
+
+namespace recon::mpm {
+
+// Nodes with their S and G (1 / length). A node may stand more than once. Memory is kept.
+template <int D>
+struct ShapeFunctions {
+  std::vector<std::uint32_t> node;
+  std::vector<double> S;
+  std::vector<Vector<D>> G;
+
+  void resize(std::size_t count) {
+    node.resize(count);
+    S.resize(count);
+    G.resize(count);
+  }
+  std::size_t size() const { return node.size(); }
+
+  // sum_i S_i u_i and sum_i u_i (x) G_i.
+  template <class Values>
+  Vector<D> value(const Values& u) const {
+    Vector<D> sum = Vector<D>::Zero();
+    for (std::size_t k = 0; k < size(); ++k) sum += S[k] * u[node[k]];
+    return sum;
+  }
+  template <class Values>
+  Matrix<D> gradient(const Values& u) const {
+    Matrix<D> sum = Matrix<D>::Zero();
+    for (std::size_t k = 0; k < size(); ++k) sum += u[node[k]] * G[k].transpose();
+    return sum;
+  }
+};
+
+namespace detail {
+
+// The functions of one axis: `count` nodes from `first` on.
+struct AxisShape {
+  static constexpr int most = 34;
+  int first = 0, count = 0;
+  std::array<double, most> S, G;
+};
+
+// A point on an edge of its cell, or by rounding beyond, counts as a hair inside: so both nodes,
+// which its gradients see, get some of its mass, and with it its velocity.
+inline AxisShape linear_at(double x, double lower, double h, int cell) {
+  constexpr double hair = 1e-14;
+  AxisShape axis;
+  const double xi = std::clamp((x - lower) / h - cell, hair, 1 - hair);
+  axis.first = cell;
+  axis.count = 2;
+  axis.S[0] = 1 - xi;
+  axis.S[1] = xi;
+  axis.G[0] = -1 / h;
+  axis.G[1] = 1 / h;
+  return axis;
+}
+
+// Averages over [x - l, x + l], cell by cell; the outermost cells go on.
+template <int D>
+AxisShape average(const Grid<D>& grid, int d, double x, double l) {
+  AxisShape axis;
+  const double h = grid.h();
+  const int last = grid.cell(x + l, d);
+  axis.first = grid.cell(x - l, d);
+  axis.count = last - axis.first + 2;
+  require(axis.count <= AxisShape::most, "particle domain in cells", 2 * l / h,
+          "must be at most 32 along an axis");
+  std::fill_n(axis.S.begin(), axis.count, 0.0);
+  std::fill_n(axis.G.begin(), axis.count, 0.0);
+  for (int c = axis.first; c <= last; ++c) {
+    const double begin = c == axis.first ? x - l : grid.node(c, d);
+    const double end = c == last ? x + l : grid.node(c + 1, d);
+    const double part = (end - begin) / (2 * l);
+    const double xi = ((begin + end) / 2 - grid.node(c, d)) / h;
+    const int k = c - axis.first;
+    axis.S[k] += part * (1 - xi);
+    axis.S[k + 1] += part * xi;
+    axis.G[k] -= part / h;
+    axis.G[k + 1] += part / h;
+  }
+  return axis;
+}
+
+template <int D>
+void tensor_product(const Grid<D>& grid, const std::array<AxisShape, D>& axes,
+                    ShapeFunctions<D>& out) {
+  std::size_t count = 1;
+  for (const AxisShape& axis : axes) count *= static_cast<std::size_t>(axis.count);
+  out.resize(count);
+  std::array<int, D> k{};
+  for (std::size_t n = 0; n < count; ++n) {
+    std::array<int, D> index;
+    double S = 1;
+    Vector<D> G = Vector<D>::Ones();
+    for (int d = 0; d < D; ++d) {
+      const double value = axes[d].S[k[d]];
+      index[d] = axes[d].first + k[d];
+      S *= value;
+      for (int e = 0; e < D; ++e) G[e] *= e == d ? axes[d].G[k[d]] : value;
+    }
+    out.node[n] = grid.number(index);
+    out.S[n] = S;
+    out.G[n] = G;
+    for (int d = 0; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
+  }
+}
+
+// sum_a weight_a N_i(corner_a) and sum_a slope_a N_i(corner_a), gathered in the box of nodes about
+// the corners, or corner by corner where that box is large.
+template <int D>
+void from_corners(const Grid<D>& grid, const typename Particles<D>::Corners& corners,
+                  const std::array<double, 1 << D>& weight,
+                  const std::array<Vector<D>, 1 << D>& slope, ShapeFunctions<D>& out) {
+  constexpr int corner_count = 1 << D;
+  constexpr std::size_t most_gathered = 2 * corner_count * corner_count;
+  std::array<std::array<int, D>, corner_count> cell;
+  std::array<int, D> first, count;
+  std::size_t nodes = 1;
+  for (int d = 0; d < D; ++d) {
+    int last = 0;
+    for (int a = 0; a < corner_count; ++a) {
+      cell[a][d] = grid.cell(corners[a][d], d);
+      first[d] = a == 0 ? cell[a][d] : std::min(first[d], cell[a][d]);
+      last = a == 0 ? cell[a][d] : std::max(last, cell[a][d]);
+    }
+    count[d] = last - first[d] + 2;
+    nodes *= static_cast<std::size_t>(count[d]);
+  }
+  const bool gathered = nodes <= most_gathered;
+  out.resize(gathered ? nodes : static_cast<std::size_t>(corner_count) * corner_count);
+  if (gathered) {
+    std::array<int, D> index = first;
+    for (std::size_t n = 0; n < nodes; ++n) {
+      out.node[n] = grid.number(index);
+      out.S[n] = 0;
+      out.G[n].setZero();
+      for (int d = 0; d < D && ++index[d] == first[d] + count[d]; ++d) index[d] = first[d];
+    }
+  }
+  for (int a = 0; a < corner_count; ++a) {
+    Vector<D> xi;
+    for (int d = 0; d < D; ++d) xi[d] = (corners[a][d] - grid.node(cell[a][d], d)) / grid.h();
+    for (int b = 0; b < corner_count; ++b) {
+      double N = 1;
+      std::size_t n = 0;
+      std::array<int, D> index;
+      for (int d = D - 1; d >= 0; --d) {
+        const int upper = b >> d & 1;
+        N *= upper ? xi[d] : 1 - xi[d];
+        index[d] = cell[a][d] + upper;
+        n = n * static_cast<std::size_t>(count[d]) + static_cast<std::size_t>(index[d] - first[d]);
+      }
+      if (!gathered) {
+        n = static_cast<std::size_t>(a * corner_count + b);
+        out.node[n] = grid.number(index);
+        out.S[n] = 0;
+        out.G[n].setZero();
+      }
+      out.S[n] += weight[a] * N;
+      out.G[n] += N * slope[a];
+    }
+  }
+}
+
+}  // namespace detail
+
+struct PointDomain {
+  template <int D>
+  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                    ShapeFunctions<D>& out) {
+    std::array<detail::AxisShape, D> axes;
+    for (int d = 0; d < D; ++d) {
+      const double x = particles.x[p][d];
+      axes[d] = detail::linear_at(x, grid.lower()[d], grid.h(), grid.cell(x, d));
+    }
+    detail::tensor_product<D>(grid, axes, out);
+  }
+  template <int D>
+  static double volume(const Particles<D>& particles, std::size_t p) {
+    return particles.volume(p);
+  }
+  template <int D>
+  static double reach(const Particles<D>&, std::size_t, int) {
+    return 0;
+  }
+  template <int D, class Velocity>
+  static void move(const Grid<D>&, Particles<D>&, std::size_t, const Velocity&, double) {}
+};
+
+// Boxes: half edges along the axes.
+template <bool stretched>
+struct Gimp : PointDomain {
+  template <int D>
+  static double reach(const Particles<D>& particles, std::size_t p, int d) {
+    const double l = particles.half_edges[p].row(d).cwiseAbs().sum();
+    return stretched ? l * std::abs(particles.F[p](d, d)) : l;
+  }
+  template <int D>
+  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                    ShapeFunctions<D>& out) {
+    std::array<detail::AxisShape, D> axes;
+    for (int d = 0; d < D; ++d)
+      axes[d] = detail::average(grid, d, particles.x[p][d], reach(particles, p, d));
+    detail::tensor_product<D>(grid, axes, out);
+  }
+};
+using UniformGimp = Gimp<false>;
+using StretchedGimp = Gimp<true>;
+
+struct Cpdi1 : PointDomain {
+  template <int D>
+  static double reach(const Particles<D>& particles, std::size_t p, int d) {
+    return (particles.F[p] * particles.half_edges[p]).row(d).cwiseAbs().sum();
+  }
+  // With x = x_p + H xi, xi in [-1, 1]^D: a corner's function has the average 1 / 2^D, its gradient
+  // H^-T s / 2^D, s the signs of the corner.
+  template <int D>
+  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                    ShapeFunctions<D>& out) {
+    constexpr int corner_count = 1 << D;
+    const Matrix<D> turned = (particles.F[p] * particles.half_edges[p]).inverse() / corner_count;
+    std::array<double, corner_count> weight;
+    std::array<Vector<D>, corner_count> slope;
+    for (int a = 0; a < corner_count; ++a) {
+      Vector<D> sign;
+      for (int d = 0; d < D; ++d) sign[d] = a >> d & 1 ? 1 : -1;
+      weight[a] = 1.0 / corner_count;
+      slope[a] = turned.transpose() * sign;
+    }
+    detail::from_corners<D>(grid, particles.domain(p), weight, slope, out);
+  }
+};
+
+struct Cpdi2 {
+  template <int D>
+  static double reach(const Particles<D>& particles, std::size_t p, int d) {
+    double most = 0;
+    for (const Vector<D>& corner : particles.corners[p])
+      most = std::max(most, std::abs(corner[d] - particles.x[p][d]));
+    return most;
+  }
+
+  // Averages of the corners' multilinear functions and of their gradients over the cell that the
+  // corners span; two Gauss points an axis are exact (they replace eq. 6.29-6.32 and their errata).
+  template <int D>
+  struct Cell {
+    std::array<double, 1 << D> weight{};
+    std::array<Vector<D>, 1 << D> slope;
+    double volume = 0;
+
+    explicit Cell(const typename Particles<D>::Corners& corners) {
+      constexpr int count = 1 << D;
+      slope.fill(Vector<D>::Zero());
+      for (int g = 0; g < count; ++g) {
+        std::array<double, count> N;
+        std::array<Vector<D>, count> local;
+        Matrix<D> J = Matrix<D>::Zero();
+        for (int a = 0; a < count; ++a) {
+          N[a] = 1;
+          local[a] = Vector<D>::Ones();
+          for (int d = 0; d < D; ++d) {
+            const double xi = (g >> d & 1 ? 1 : -1) / std::sqrt(3.0), sign = a >> d & 1 ? 1 : -1;
+            const double value = (1 + sign * xi) / 2;
+            N[a] *= value;
+            for (int e = 0; e < D; ++e) local[a][e] *= e == d ? sign / 2 : value;
+          }
+          J += corners[a] * local[a].transpose();
+        }
+        const double part = J.determinant();
+        const Matrix<D> turned = J.inverse().transpose() * part;
+        volume += part;
+        for (int a = 0; a < count; ++a) {
+          weight[a] += part * N[a];
+          slope[a] += turned * local[a];
+        }
+      }
+      for (int a = 0; a < count; ++a) {
+        weight[a] /= volume;
+        slope[a] /= volume;
+      }
+    }
+  };
+
+  template <int D>
+  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                    ShapeFunctions<D>& out) {
+    const Cell<D> cell(particles.corners[p]);
+    detail::from_corners<D>(grid, particles.corners[p], cell.weight, cell.slope, out);
+  }
+  template <int D>
+  static double volume(const Particles<D>& particles, std::size_t p) {
+    return Cell<D>(particles.corners[p]).volume;
+  }
+  // Corners move with the grid; the particle is their centroid.
+  template <int D, class Velocity>
+  static void move(const Grid<D>& grid, Particles<D>& particles, std::size_t p,
+                   const Velocity& velocity, double dt) {
+    thread_local ShapeFunctions<D> at;
+    for (Vector<D>& corner : particles.corners[p]) {
+      std::array<detail::AxisShape, D> axes;
+      for (int d = 0; d < D; ++d)
+        axes[d] = detail::linear_at(corner[d], grid.lower()[d], grid.h(), grid.cell(corner[d], d));
+      detail::tensor_product<D>(grid, axes, at);
+      corner += dt * at.value(velocity);
+    }
+    const Cell<D> cell(particles.corners[p]);
+    particles.x[p].setZero();
+    for (int a = 0; a < (1 << D); ++a)
+      particles.x[p] += cell.weight[a] * particles.corners[p][a];
+  }
+};
+
+}  // namespace recon::mpm

@@ -1,0 +1,23 @@
+// How far a simulation is from its manufactured solution.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recon/mpm/simulation.hpp"
+
+namespace recon::mpm {
+
+// Of one field, over all particles: l2 = sqrt(sum_p |e_p|^2 V_p), V_p the current volumes
+// (Gong 2015, eq. 4.40, 4.47, 4.48), and rms = sqrt(sum_p |e_p|^2 / N) (Tran et al. 2019, eq. 47).
+struct FieldError {
+  std::string field;  // displacement, velocity, density, stress
+  double l2 = 0, rms = 0;
+};
+
+// The velocity is compared half a step before the time of the other fields, where it is known.
+// Throws InvalidArgument without an exact solution.
+template <int D>
+std::vector<FieldError> errors(const Simulation<D>& simulation);
+
+}  // namespace recon::mpm

@@ -1,0 +1,68 @@
+// Materials: how strain becomes stress and strain energy.
+//
+// A material is a type with
+//     update(F, L, dt, stress, energy)       Cauchy stress and strain energy per reference volume
+//                                            after a step dt with velocity gradient L that led to F
+//     lambda, mu                             Lame's constants, force / area, for the wave speed
+// In 1-D and 2-D the other directions do not strain (uniaxial strain, plane strain).
+#pragma once
+
+#include <Eigen/LU>
+#include <cmath>
+#include <variant>
+
+#include "recon/core/error.hpp"
+#include "recon/mpm/types.hpp"
+
+namespace recon::mpm {
+
+struct Lame {
+  double lambda = 0, mu = 0;
+
+  // Throws InvalidArgument unless young > 0 and -1 < poisson < 0.5.
+  static Lame from(double young, double poisson) {
+    require(young > 0 && std::isfinite(young), "young", young, "must be positive and finite");
+    require(poisson > -1 && poisson < 0.5, "poisson", poisson, "must lie between -1 and 0.5");
+    return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
+  }
+  double p_wave_speed(double density) const { return std::sqrt((lambda + 2 * mu) / density); }
+  // sqrt(E / density), the speed in a thin bar.
+  double bar_wave_speed(double density) const {
+    return std::sqrt(mu * (3 * lambda + 2 * mu) / (lambda + mu) / density);
+  }
+};
+
+// sigma = (lambda ln J I + mu (F F^T - I)) / J,
+// W = lambda (ln J)^2 / 2 + mu ((tr F F^T - D) / 2 - ln J)    (Gong 2015, eq. 4.33, 4.34; errata).
+struct NeoHookean : Lame {
+  template <int D>
+  void update(const Matrix<D>& F, const Matrix<D>&, double, Matrix<D>& stress,
+              double& energy) const {
+    const double J = F.determinant(), log_J = std::log(J);
+    const Matrix<D> b = F * F.transpose();
+    stress = (mu * (b - Matrix<D>::Identity()) + lambda * log_J * Matrix<D>::Identity()) / J;
+    energy = lambda * log_J * log_J / 2 + mu * ((b.trace() - D) / 2 - log_J);
+  }
+};
+
+// Hypoelastic: the Jaumann rate of sigma is lambda tr(d) I + 2 mu d with d the symmetric part of L;
+// the energy is the work of the stress, J sigma : d per reference volume, by the trapezoidal rule.
+struct LinearElastic : Lame {
+  template <int D>
+  void update(const Matrix<D>& F, const Matrix<D>& L, double dt, Matrix<D>& stress,
+              double& energy) const {
+    const Matrix<D> d = (L + L.transpose()) / 2, w = (L - L.transpose()) / 2;
+    const Matrix<D> before = stress;
+    stress += dt * (lambda * d.trace() * Matrix<D>::Identity() + 2 * mu * d + w * before -
+                    before * w);
+    energy += dt * F.determinant() * ((before + stress) / 2).cwiseProduct(d).sum();
+  }
+};
+
+using Material = std::variant<NeoHookean, LinearElastic>;
+
+inline const Lame& lame(const Material& material) {
+  return std::visit([](const auto& m) -> const Lame& { return m; }, material);
+}
+
+}  // namespace recon::mpm

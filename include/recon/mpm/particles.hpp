@@ -1,0 +1,65 @@
+// What the particles of all bodies carry from step to step.
+//
+// A particle is a piece of material with reference volume `volume0` and mass `mass`. Its domain is a
+// parallelepiped about x with half edges F * half_edges (columns; Gong 2015, eq. 6.21); CPDI2 tracks
+// the corners themselves. Corner number a of a domain lies on the positive side of half edge d where
+// bit d of a is set.
+#pragma once
+
+#include <Eigen/LU>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "recon/mpm/types.hpp"
+
+namespace recon::mpm {
+
+template <int D>
+struct Particles {
+  static constexpr int corner_count = 1 << D;
+  using Corners = std::array<Vector<D>, corner_count>;
+
+  std::vector<Vector<D>> X, x;          // reference and current position, length
+  std::vector<Vector<D>> v;             // velocity half a step before the current time, length / time
+  std::vector<Matrix<D>> F;             // deformation gradient dx / dX
+  std::vector<Matrix<D>> L;             // velocity gradient d v_i / d x_j, 1 / time
+  std::vector<Matrix<D>> stress;        // Cauchy stress, force / area
+  std::vector<Matrix<D>> half_edges;    // of the reference domain
+  std::vector<double> mass, volume0;
+  std::vector<double> energy;           // strain energy of the particle
+  std::vector<std::int32_t> body;       // number of its body
+  std::vector<Corners> corners;         // of CPDI2 only, else empty
+
+  std::size_t size() const { return x.size(); }
+  double volume(std::size_t p) const { return F[p].determinant() * volume0[p]; }
+  double density(std::size_t p) const { return mass[p] / volume(p); }
+
+  // Of the parallelepiped.
+  Corners domain(std::size_t p) const {
+    const Matrix<D> edges = F[p] * half_edges[p];
+    Corners at;
+    for (int a = 0; a < corner_count; ++a) {
+      at[a] = x[p];
+      for (int d = 0; d < D; ++d) at[a] += (a >> d & 1 ? 1.0 : -1.0) * edges.col(d);
+    }
+    return at;
+  }
+
+  // A particle at rest, undeformed.
+  void add(const Vector<D>& at, const Matrix<D>& half, double density, int of_body) {
+    X.push_back(at);
+    x.push_back(at);
+    v.push_back(Vector<D>::Zero());
+    F.push_back(Matrix<D>::Identity());
+    L.push_back(Matrix<D>::Zero());
+    stress.push_back(Matrix<D>::Zero());
+    half_edges.push_back(half);
+    volume0.push_back((1 << D) * std::abs(half.determinant()));
+    mass.push_back(density * volume0.back());
+    energy.push_back(0);
+    body.push_back(of_body);
+  }
+};
+
+}  // namespace recon::mpm

@@ -1,0 +1,49 @@
+// Problems from TOML files. docs/mpm.md lists all keys.
+//
+//   auto problem = recon::mpm::read_problem("disks.toml", {"method.name=cpls", "cells=40"});
+//   std::visit([](auto& p) { ... }, problem);
+//
+// Lengths, masses and times are in any consistent units. A value that may vary is a number or a text
+// with an expression of X, Y, Z (reference position), x, y, z (current position) and t; constants
+// are pi and what [constants] defines.
+//
+// A setting "key=value" replaces a value of the file, or adds one; a key without its table
+// ("cells") stands for the one key of that name that a problem can have. Values are TOML; a bare
+// word is a text.
+//
+// Everything wrong with the file throws FileError: file, line, key, and the valid choices.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "recon/io/error.hpp"
+#include "recon/mpm/problem.hpp"
+
+namespace recon::mpm {
+
+// What a run writes, and how often.
+struct OutputOptions {
+  int frames = 50;       // pictures of the state, evenly in time; 0: none
+  bool ledger = true;
+};
+
+template <int D>
+struct ProblemFile {
+  Problem<D> problem;
+  OutputOptions output;
+};
+
+using AnyProblem = std::variant<ProblemFile<1>, ProblemFile<2>, ProblemFile<3>>;
+
+AnyProblem read_problem(const std::filesystem::path& path,
+                        std::span<const std::string> settings = {});
+
+// The same from the text of a file; `name` stands for the file in messages, and files that the text
+// names are sought beside it.
+AnyProblem read_problem_text(const std::string& text, const std::filesystem::path& name,
+                             std::span<const std::string> settings = {});
+
+}  // namespace recon::mpm

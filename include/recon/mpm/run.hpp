@@ -1,0 +1,48 @@
+// A problem from beginning to end, with everything that it leaves behind.
+//
+// In the folder:
+//   ledger.csv        an account of every step (ledger.hpp)
+//   NAME_*.vtp, ...   frames (frames.hpp)
+//   checkpoint.h5     the state at the last frame (checkpoint.hpp), from which a run goes on
+// A run that fails leaves all of it as it was at the last frame, and the ledger up to the step.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "recon/mpm/checkpoint.hpp"
+#include "recon/mpm/read_problem.hpp"
+
+namespace recon::mpm {
+
+struct RunOptions {
+  std::filesystem::path folder{};   // is made
+  std::string name = "run";         // of the frames
+  std::filesystem::path restart{};  // a checkpoint to go on from; empty: from the start
+  bool overwrite = false;           // of another run's files
+  // Told after every step.
+  std::function<void(double time, std::int64_t steps, const Step& step)> progress{};
+};
+
+struct RunResult {
+  std::int64_t steps = 0;
+  double time = 0;
+  Ledger first, last;
+  double shortest_step = 0, longest_step = 0;
+  std::size_t limiting_particle = 0;  // of the shortest step
+  double largest_momentum_defect = 0;  // |nodes' - particles'|, of all steps
+  std::size_t unfitted = 0;            // most nodes in a step without a fit of their own
+  std::size_t frames = 0;
+};
+
+// Goes on until the problem's end. Throws FileError for a folder that holds another run's
+// ledger, unless it is to be overwritten or gone on with; Failure where the run cannot go on.
+template <int D>
+RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
+
+// Steps without any output, until `end` exactly; the steps between are equal where their rule gives
+// the same for all. observe() is called after every map(), also the last one at `end`.
+template <int D>
+void run_until(Simulation<D>& simulation, double end, const std::function<void()>& observe = {});
+
+}  // namespace recon::mpm

@@ -1,0 +1,114 @@
+// The time steps: momentum on the grid, particles carried by it.
+//
+//   Simulation<D> simulation(problem);
+//   while (simulation.time() < end) {
+//     simulation.map();                             // 1  particles to nodes: v_i, m_i, f_i
+//     simulation.advance(simulation.choose_step().dt);      // 2  nodes: v_i += dt f_i / m_i
+//   }                                               // 3  nodes to particles; 4 the grid is as before
+//
+// Leapfrog: positions and stresses at t, velocities half a step earlier; the first kick takes half a
+// step, so that a start at t = 0 is of second order, and a step may follow one of another length.
+// With a_i = f_i / m_i, k = (dt_before + dt) / 2 and S, G of the particle's domain at the old place:
+//     v_i+ = v_i + k a_i ,  v_p += k sum S a_i ,  x_p += dt sum S v_i+ ,  L = sum v_i+ (x) G ,
+//     F = (I + dt L) F ,  sigma = sigma(F)                              (Gong 2015, eq. 4.25-4.30)
+// G at the old place, not at the new one as the source prints, which costs an order.
+//
+// Nodes lighter than 1e-10 of the heaviest feel gravity alone: forces on them would be divided by next
+// to nothing. Nodes without mass stay at rest. The same bits for any number of threads.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "recon/grid/reconstruct_on_grid.hpp"
+#include "recon/mpm/problem.hpp"
+
+namespace recon::mpm {
+
+// A run that cannot go on: a particle left the grid, was turned inside out, or is not finite.
+class Failure : public std::runtime_error {
+ public:
+  Failure(std::int64_t step, std::size_t particle, const std::string& what);
+  std::int64_t step() const { return step_; }
+  std::size_t particle() const { return particle_; }
+
+ private:
+  std::int64_t step_;
+  std::size_t particle_;
+};
+
+template <int D>
+struct Nodes {
+  std::vector<double> mass;
+  std::vector<Vector<D>> momentum;      // sum_p S m_p v_p
+  std::vector<Vector<D>> force;         // internal and external
+  std::vector<Vector<D>> mapped;        // v_i as it was mapped, without the boundary's say
+  std::vector<Vector<D>> velocity;      // v_i
+  std::vector<Vector<D>> acceleration;  // f_i / m_i, zero where the velocity is held
+  FitReports fit;                       // of a fitted velocity: its nodes are fit_nodes
+  std::vector<std::uint32_t> fit_nodes;
+  std::size_t unfitted = 0;             // nodes with mass whose velocity had to be mass-weighted
+};
+
+// Of the quadrature `cells`: columns density, stress by rows of its upper triangle; body force.
+template <int D>
+struct Cells {
+  Eigen::MatrixXd values;
+  std::vector<double> fill;  // part of the cell that holds material
+  FitReports fit;
+};
+
+struct Step {
+  double dt = 0;
+  std::size_t particle = 0;  // the one that limits it
+};
+
+template <int D>
+class Simulation {
+ public:
+  // Throws InvalidArgument as Problem::validate() does.
+  explicit Simulation(Problem<D> problem);
+
+  double time() const { return time_; }
+  std::int64_t steps() const { return steps_; }
+  double last_step() const { return last_dt_; }  // dt of the step before; 0 at the start
+  const Problem<D>& problem() const { return problem_; }
+  const Particles<D>& particles() const { return problem_.particles; }
+  const Nodes<D>& nodes() const { return nodes_; }
+  const Cells<D>& cells() const { return cells_; }
+
+  // The step by the rule of the problem, a length of time (c_p = sqrt((lambda + 2 mu) / density)):
+  //   adaptive  courant h / max_p (c_p + |v_p|), density as it is now
+  //   p_wave    courant h / c_p, bar_wave: courant h / sqrt(E / density), at the reference density
+  Step choose_step() const;
+
+  // Fills nodes() (and cells()) from the particles.
+  void map();
+  // A step from what map() left. Throws Failure; particles before the one it names have moved then.
+  void advance(double dt);
+
+  // Goes on from a state of another run of the same problem.
+  void restore(Particles<D> particles, double time, std::int64_t steps, double last_dt);
+
+ private:
+  template <class DomainPolicy>
+  void scatter(DomainPolicy domain);
+  template <class DomainPolicy>
+  void gather(DomainPolicy domain, double dt, double kick);
+  void integrate_cells();
+  void fit_velocity();
+  void hold_boundaries();
+
+  Problem<D> problem_;
+  double time_ = 0, last_dt_ = 0;
+  std::int64_t steps_ = 0;
+  Nodes<D> nodes_;
+  Cells<D> cells_;
+  std::vector<Vector<D>> acceleration_;  // body force and loads per mass, of the particles
+};
+
+extern template class Simulation<1>;
+extern template class Simulation<2>;
+extern template class Simulation<3>;
+
+}  // namespace recon::mpm

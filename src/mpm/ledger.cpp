@@ -1,0 +1,116 @@
+#include "recon/mpm/ledger.hpp"
+
+#include <charconv>
+
+#include "recon/core/parallel.hpp"
+
+namespace recon::mpm {
+namespace {
+
+constexpr std::size_t particles_per_block = 4096;
+
+template <int D>
+void add(std::array<double, 3>& sum, const Vector<D>& value) {
+  for (int d = 0; d < D; ++d) sum[d] += value[d];
+}
+
+// x x p; only the last component in 2-D, nothing in 1-D.
+template <int D>
+void add_angular(std::array<double, 3>& sum, const Vector<D>& x, const Vector<D>& p) {
+  if constexpr (D >= 2) sum[2] += x[0] * p[1] - x[1] * p[0];
+  if constexpr (D == 3) {
+    sum[0] += x[1] * p[2] - x[2] * p[1];
+    sum[1] += x[2] * p[0] - x[0] * p[2];
+  }
+}
+
+void add(std::array<double, 3>& sum, const std::array<double, 3>& value) {
+  for (int d = 0; d < 3; ++d) sum[d] += value[d];
+}
+
+}  // namespace
+
+template <int D>
+Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start) {
+  const Problem<D>& problem = simulation.problem();
+  const Particles<D>& particles = simulation.particles();
+  const Nodes<D>& nodes = simulation.nodes();
+  const double half = simulation.last_step() / 2;
+
+  // Sums of blocks, added in their order.
+  std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
+  with_domain(problem.method.domain, [&](auto domain) {
+    parallel_blocks(particles.size(), particles_per_block, problem.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      Ledger& sum = blocks[begin / particles_per_block];
+                      ShapeFunctions<D> shape;
+                      for (std::size_t p = begin; p < end; ++p) {
+                        domain.shape(problem.grid, particles, p, shape);
+                        const double m = particles.mass[p];
+                        const Vector<D> momentum = m * particles.v[p];
+                        const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration);
+                        sum.mass += m;
+                        add<D>(sum.momentum, momentum);
+                        add_angular<D>(sum.angular, particles.x[p], momentum);
+                        sum.kinetic += m * now.squaredNorm() / 2;
+                        sum.strain += particles.energy[p];
+                      }
+                    });
+  });
+  Ledger ledger;
+  ledger.step = simulation.steps();
+  ledger.time = simulation.time();
+  for (const Ledger& block : blocks) {
+    ledger.mass += block.mass;
+    add(ledger.momentum, block.momentum);
+    add(ledger.angular, block.angular);
+    ledger.kinetic += block.kinetic;
+    ledger.strain += block.strain;
+  }
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
+    if (!(nodes.mass[i] > 0)) continue;
+    const Vector<D> momentum = nodes.mass[i] * nodes.mapped[i];
+    const Vector<D> now = nodes.velocity[i] + half * nodes.acceleration[i];
+    ledger.node_mass += nodes.mass[i];
+    add<D>(ledger.node_momentum, momentum);
+    add_angular<D>(ledger.node_angular, problem.grid.position(i), momentum);
+    ledger.node_kinetic += nodes.mass[i] * now.squaredNorm() / 2;
+  }
+  ledger.interpolation_error = ledger.node_kinetic - ledger.kinetic;
+  ledger.algorithmic_error = -(ledger.node_kinetic + ledger.strain);
+  const Ledger& from = start ? *start : ledger;
+  ledger.interpolation_error -= from.node_kinetic - from.kinetic;
+  ledger.algorithmic_error += from.node_kinetic + from.strain;
+  return ledger;
+}
+
+std::string ledger_header() {
+  return "step,time,mass,node_mass,momentum_x,momentum_y,momentum_z,node_momentum_x,node_momentum_y,"
+         "node_momentum_z,angular_x,angular_y,angular_z,node_angular_x,node_angular_y,node_angular_z,"
+         "kinetic,node_kinetic,strain,total,interpolation_error,algorithmic_error";
+}
+
+std::string ledger_row(const Ledger& ledger) {
+  std::string row = std::to_string(ledger.step);
+  const auto put = [&](double value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value);
+    row.append(",").append(text, end.ptr);
+  };
+  put(ledger.time);
+  put(ledger.mass);
+  put(ledger.node_mass);
+  for (const auto* each :
+       {&ledger.momentum, &ledger.node_momentum, &ledger.angular, &ledger.node_angular})
+    for (const double value : *each) put(value);
+  for (const double value : {ledger.kinetic, ledger.node_kinetic, ledger.strain, ledger.total(),
+                             ledger.interpolation_error, ledger.algorithmic_error})
+    put(value);
+  return row;
+}
+
+template Ledger account(const Simulation<1>&, const std::optional<Ledger>&);
+template Ledger account(const Simulation<2>&, const std::optional<Ledger>&);
+template Ledger account(const Simulation<3>&, const std::optional<Ledger>&);
+
+}  // namespace recon::mpm

@@ -1,0 +1,212 @@
+#include "mpm/toml_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "recon/core/names.hpp"
+#include "recon/io/error.hpp"
+
+namespace recon::mpm {
+namespace {
+
+std::string kind_of(const toml::node& node) {
+  std::ostringstream text;
+  text << node.type();
+  return text.str();
+}
+
+// The value of "key=value": TOML, or a bare word.
+toml::table parse_setting(const std::string& key, const std::string& value) {
+  try {
+    return toml::parse("value = " + value);
+  } catch (const toml::parse_error&) {
+    try {
+      return toml::parse("value = '" + value + "'");
+    } catch (const toml::parse_error& error) {
+      throw FileError("--set " + key, 0, "'" + value + "' is no value: " +
+                                             std::string(error.description()));
+    }
+  }
+}
+
+// Puts the value at a dotted path; of a list of tables, in all of them.
+void assign(toml::table& table, std::string_view path, const std::string& key,
+            const toml::node& value) {
+  const std::size_t dot = path.find('.');
+  if (dot == std::string_view::npos) {
+    table.insert_or_assign(path, value);
+    return;
+  }
+  const std::string_view name = path.substr(0, dot), rest = path.substr(dot + 1);
+  toml::node* next = table.get(name);
+  if (!next) next = &table.insert(name, toml::table{}).first->second;
+  if (toml::table* inner = next->as_table()) return assign(*inner, rest, key, value);
+  bool any = false;
+  if (toml::array* list = next->as_array())
+    for (toml::node& each : *list)
+      if (toml::table* inner = each.as_table()) {
+        assign(*inner, rest, key, value);
+        any = true;
+      }
+  if (!any)
+    throw FileError("--set " + key, 0, "'" + std::string(name) + "' is no table in the file");
+}
+
+void apply(toml::table& root, const std::string& setting, std::span<const std::string> known) {
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw FileError("--set " + setting, 0, "needs key=value, for example method.name=cpls");
+  std::string key = setting.substr(0, equals);
+  std::vector<std::string> same;
+  for (const std::string& each : known)
+    if (each == key || each.ends_with("." + key)) same.push_back(each);
+  if (same.empty()) throw FileError("--set " + key, 0, "unknown key; " + suggest(key, known));
+  if (same.size() > 1 && std::find(same.begin(), same.end(), key) == same.end())
+    throw FileError("--set " + key, 0, "is ambiguous; " + suggest(key, same));
+  if (same.size() == 1) key = same.front();
+
+  const toml::table value = parse_setting(key, setting.substr(equals + 1));
+  assign(root, key, key, *value.get("value"));
+}
+
+}  // namespace
+
+toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
+                       std::span<const std::string> settings,
+                       std::span<const std::string> known) {
+  toml::table root;
+  try {
+    root = toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw FileError(file, error.source().begin.line, std::string(error.description()));
+  }
+  for (const std::string& setting : settings) apply(root, setting, known);
+  return root;
+}
+
+const toml::node* TomlTable::find(std::string_view key) const {
+  asked_.emplace(key);
+  return table_->get(key);
+}
+
+std::string TomlTable::full(std::string_view key) const {
+  return name_.empty() ? std::string(key) : name_ + "." + std::string(key);
+}
+
+void TomlTable::fail_at(const toml::node& node, std::string_view key,
+                        const std::string& what) const {
+  throw FileError(*file_, node.source().begin.line, full(key) + ": " + what);
+}
+
+void TomlTable::fail(std::string_view key, const std::string& what) const {
+  const toml::node* node = table_->get(key);
+  fail_at(node ? *node : *table_, key, what);
+}
+
+const toml::node& TomlTable::require(std::string_view key) const {
+  const toml::node* node = find(key);
+  if (!node) fail(key, "is missing");
+  return *node;
+}
+
+double TomlTable::number(std::string_view key) const {
+  const toml::node& node = require(key);
+  const auto value = node.value<double>();
+  if (!value || node.is_boolean())
+    fail(key, "a number is needed, not a " + kind_of(node));
+  if (!std::isfinite(*value)) fail(key, "must be finite");
+  return *value;
+}
+
+double TomlTable::number(std::string_view key, double otherwise) const {
+  return find(key) ? number(key) : otherwise;
+}
+
+int TomlTable::integer(std::string_view key, int otherwise, int least, int most) const {
+  const toml::node* node = find(key);
+  if (!node) return otherwise;
+  const auto value = node->value_exact<std::int64_t>();
+  if (!value || *value < least || *value > most)
+    fail(key, "a whole number from " + std::to_string(least) + " to " + std::to_string(most) +
+                  " is needed");
+  return static_cast<int>(*value);
+}
+
+bool TomlTable::boolean(std::string_view key, bool otherwise) const {
+  const toml::node* node = find(key);
+  if (!node) return otherwise;
+  const auto value = node->value_exact<bool>();
+  if (!value) fail(key, "true or false is needed, not a " + kind_of(*node));
+  return *value;
+}
+
+std::string TomlTable::text(std::string_view key) const {
+  const auto value = require(key).value_exact<std::string>();
+  if (!value) fail(key, "a text is needed, not a " + kind_of(require(key)));
+  return *value;
+}
+
+std::string TomlTable::choice(std::string_view key, std::span<const std::string> choices,
+                              bool required) const {
+  if (!required && !find(key)) return choices.front();
+  const std::string word = text(key);
+  for (const std::string& each : choices)
+    if (each == word) return word;
+  fail(key, "unknown '" + word + "'; " + suggest(word, choices));
+}
+
+std::vector<const toml::node*> TomlTable::elements(std::string_view key, std::size_t count) const {
+  const toml::node& node = require(key);
+  std::vector<const toml::node*> found;
+  if (const toml::array* array = node.as_array())
+    for (const toml::node& each : *array) found.push_back(&each);
+  else
+    found.push_back(&node);
+  if (found.size() != count)
+    fail(key, std::to_string(count) + (count == 1 ? " value is" : " values are") +
+                  " needed (one for each axis), not " + std::to_string(found.size()));
+  return found;
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count) const {
+  std::vector<double> values;
+  for (const toml::node* node : elements(key, count)) {
+    const auto value = node->value<double>();
+    if (!value || node->is_boolean() || !std::isfinite(*value))
+      fail_at(*node, key, "finite numbers are needed");
+    values.push_back(*value);
+  }
+  return values;
+}
+
+TomlTable TomlTable::table(std::string_view key) const {
+  static const toml::table empty;
+  const toml::node* node = find(key);
+  if (node && !node->is_table())
+    fail(key, "is a table: write [" + full(key) + "]");
+  return {*file_, full(key), node ? *node->as_table() : empty};
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  std::vector<TomlTable> found;
+  const toml::node* node = find(key);
+  if (!node) return found;
+  const toml::array* array = node->as_array();
+  if (!array) fail(key, "is a list of tables: write [[" + full(key) + "]]");
+  int number = 0;
+  for (const toml::node& each : *array) {
+    if (!each.is_table()) fail_at(each, key, "is a list of tables: write [[" + full(key) + "]]");
+    found.emplace_back(*file_, full(key) + " " + std::to_string(++number), *each.as_table());
+  }
+  return found;
+}
+
+void TomlTable::finish() const {
+  const std::vector<std::string> known(asked_.begin(), asked_.end());
+  for (const auto& [key, node] : *table_)
+    if (!asked_.contains(key.str()))
+      fail_at(node, key.str(), "unknown key; " + suggest(key.str(), known));
+}
+
+}  // namespace recon::mpm

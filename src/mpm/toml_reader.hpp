@@ -1,0 +1,64 @@
+// Reads tables of a TOML document strictly: every key must be known, every value of the right kind,
+// and each complaint names file, line, key and the valid choices.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace recon::mpm {
+
+class TomlTable {
+ public:
+  // `name` as the complaints call it: "grid", "body 2", "" for the top of the file.
+  TomlTable(const std::filesystem::path& file, std::string name, const toml::table& table)
+      : file_(&file), name_(std::move(name)), table_(&table) {}
+
+  bool has(std::string_view key) const { return find(key) != nullptr; }
+
+  double number(std::string_view key) const;
+  double number(std::string_view key, double otherwise) const;
+  int integer(std::string_view key, int otherwise, int least, int most) const;
+  bool boolean(std::string_view key, bool otherwise) const;
+  std::string text(std::string_view key) const;
+  // One of the choices; the first is the default where the key is absent, unless it is required.
+  std::string choice(std::string_view key, std::span<const std::string> choices,
+                     bool required = false) const;
+  std::vector<double> numbers(std::string_view key, std::size_t count) const;
+  // Elements of an array (or the value itself) for the caller to take apart.
+  std::vector<const toml::node*> elements(std::string_view key, std::size_t count) const;
+
+  // The table of this name, or an empty one.
+  TomlTable table(std::string_view key) const;
+  // All [[key]] tables.
+  std::vector<TomlTable> tables(std::string_view key) const;
+
+  // Throws for keys that nobody has asked for.
+  void finish() const;
+  [[noreturn]] void fail(std::string_view key, const std::string& what) const;
+  [[noreturn]] void fail_at(const toml::node& node, std::string_view key,
+                            const std::string& what) const;
+  const toml::table& raw() const { return *table_; }
+
+ private:
+  const toml::node* find(std::string_view key) const;
+  const toml::node& require(std::string_view key) const;
+  std::string full(std::string_view key) const;
+
+  const std::filesystem::path* file_;
+  std::string name_;
+  const toml::table* table_;
+  mutable std::set<std::string, std::less<>> asked_;
+};
+
+// Parses the text of a file and applies the settings. Throws FileError.
+toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
+                       std::span<const std::string> settings,
+                       std::span<const std::string> known_keys);
+
+}  // namespace recon::mpm

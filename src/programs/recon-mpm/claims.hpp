@@ -1,0 +1,39 @@
+// What the publications say about convergence and conservation, as studies that can be run.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recon/mpm/convergence.hpp"
+
+namespace recon::program {
+
+// An order of convergence that the statement implies: slope of log(error) over log(h), fitted to all
+// grids, at least (or at most) this. A run that fails has no order: it satisfies "at most" only.
+struct Expectation {
+  std::string method, field;
+  bool at_least = true;
+  double order = 0;
+};
+
+struct Claim {
+  std::string figure, statement, problem;
+  std::vector<std::string> settings;
+  std::vector<std::string> methods;
+  std::vector<int> cells, full_cells;  // of the short and of the full verification
+  std::string norm;
+  double time;  // part of the end at which the statement is made
+  std::vector<Expectation> expected;
+};
+
+// A run whose momentum and energy are shown over time.
+struct Account {
+  std::string figure, statement, problem;
+  std::vector<std::string> settings;
+  std::vector<std::string> methods;
+};
+
+std::vector<Claim> claims();
+std::vector<Account> accounts();
+
+}  // namespace recon::program

@@ -1,0 +1,13 @@
+// The subcommands of recon-mpm.
+#pragma once
+
+#include "programs/common/command_line.hpp"
+
+namespace recon::program {
+
+Command add_run(CLI::App& app);
+Command add_methods(CLI::App& app);
+Command add_converge(CLI::App& app);
+Command add_verify(CLI::App& app);
+
+}  // namespace recon::program

@@ -1,0 +1,23 @@
+// What all subcommands that read a problem file understand.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "programs/common/checks.hpp"
+#include "recon/mpm/read_problem.hpp"
+
+namespace recon::program {
+
+struct ProblemOptions {
+  std::string file, method, cells;
+  std::vector<std::string> settings;
+  int threads = 0;
+
+  // choice: also --method and --cells.
+  void add_to(CLI::App& command, bool choice);
+  // The problem with all options and `more` applied; ends the program where it is wrong.
+  mpm::AnyProblem read(std::vector<std::string> more = {}) const;
+};
+
+}  // namespace recon::program

@@ -1,0 +1,144 @@
+// recon-mpm run PROBLEM: one run, with frames, a ledger and checkpoints.
+#include "recon/mpm/run.hpp"
+
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "problem_options.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/progress.hpp"
+#include "programs/common/text.hpp"
+#include "recon/io/picture.hpp"
+#include "recon/io/read.hpp"
+
+namespace recon::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  ProblemOptions problem;
+  std::string out, restart, picture;
+  bool overwrite = false, quiet = false;
+};
+
+void print_line(const char* name, const std::string& text) {
+  std::printf("%-14s %s\n", name, text.c_str());
+}
+
+std::string momentum(const std::array<double, 3>& p, int dimension) {
+  std::string text = "(" + number(p[0]);
+  for (int d = 1; d < dimension; ++d) text += ", " + number(p[d]);
+  return text + ")";
+}
+
+template <int D>
+void print_summary(const mpm::Problem<D>& problem, const mpm::RunResult& result, double seconds,
+                   const std::string& folder) {
+  const mpm::Ledger &first = result.first, &last = result.last;
+  print_line("problem", problem.title.empty() ? "untitled" : problem.title);
+  print_line("method", problem.method.name + ", " + std::to_string(D) + "-D, " +
+                           counted(problem.particles.size(), "particle") + ", cells of " +
+                           number(problem.grid.h()));
+  print_line("time", number(result.time) + " after " +
+                         counted(static_cast<std::size_t>(result.steps), "step") + " in " +
+                         number(seconds, 3) + " s");
+  if (result.longest_step > 0) {
+    std::string text = number(result.shortest_step) + " to " + number(result.longest_step);
+    if (problem.time.rule == mpm::StepRule::adaptive)
+      text += ", the shortest for particle " + std::to_string(result.limiting_particle);
+    print_line("step", text);
+  }
+  print_line("mass", number(first.mass) + " -> " + number(last.mass));
+  print_line("momentum", momentum(first.momentum, D) + " -> " + momentum(last.momentum, D));
+  if (D > 1) {
+    const auto angular = [](const mpm::Ledger& ledger) {
+      return D == 2 ? number(ledger.angular[2]) : momentum(ledger.angular, 3);
+    };
+    print_line("angular", angular(first) + " -> " + angular(last));
+  }
+  print_line("map defect", number(result.largest_momentum_defect, 3) +
+                               " at most, of momentum between particles and nodes");
+  print_line("energy", number(first.total()) + " -> " + number(last.total()) + " (kinetic " +
+                           number(last.kinetic) + ", strain " + number(last.strain) + ")");
+  print_line("energy error", "interpolation " + number(last.interpolation_error, 3) +
+                                 ", algorithmic " + number(last.algorithmic_error, 3));
+  if (result.unfitted > 0)
+    print_line("unfitted", "up to " + counted(result.unfitted, "node") +
+                               " of a step had no data for a fit: mass-weighted instead");
+  print_line("files", folder + ": " + counted(result.frames, "frame") +
+                          ", ledger.csv, checkpoint.h5");
+}
+
+// Energies over time, from the ledger.
+void draw_energies(const fs::path& ledger, const fs::path& picture, const std::string& title) {
+  const ParticleTable table = read_particles(ledger);
+  LinePlot plot;
+  plot.title = title;
+  plot.x_label = "time";
+  plot.y_label = "energy";
+  for (const char* name : {"kinetic", "strain", "total"})
+    plot.curves.push_back({name, table.column("time"), table.column(name), CurveStyle::line});
+  draw(picture, plot);
+}
+
+template <int D>
+void run(const Options& options, const mpm::ProblemFile<D>& file) {
+  const fs::path problem_path = options.problem.file;
+  const std::string name = problem_path.stem().string();
+  mpm::RunOptions run_options;
+  run_options.folder =
+      options.out.empty() ? name + "_" + file.problem.method.name : options.out;
+  run_options.name = name;
+  run_options.restart = options.restart;
+  run_options.overwrite = options.overwrite;
+  constexpr std::size_t whole = 1000000;
+  Progress progress("time " + number(file.problem.time.end), whole, options.quiet);
+  std::size_t shown = 0;
+  run_options.progress = [&](double time, std::int64_t, const mpm::Step&) {
+    const auto now = static_cast<std::size_t>(time / file.problem.time.end * whole);
+    if (now > shown) progress.advance(now - shown);
+    shown = std::max(shown, now);
+  };
+  mpm::RunResult result;
+  try {
+    result = mpm::run(file, run_options);
+  } catch (const mpm::Failure& failure) {
+    throw ProgramError(internal_error,
+                       "the run stopped: " + std::string(failure.what()) + "\n" +
+                           (run_options.folder / "checkpoint.h5").string() +
+                           " holds the latest frame; a smaller time.courant or another method may "
+                           "help, with --restart");
+  } catch (const FileError& error) {
+    throw ProgramError(no_output, error.what());
+  }
+  print_summary(file.problem, result, progress.seconds(), run_options.folder.string());
+  if (!file.output.ledger) return;
+  const fs::path picture = run_options.folder / "energy.png";
+  try {
+    draw_energies(run_options.folder / "ledger.csv", picture, name + ", " + file.problem.method.name);
+    print_line("picture", picture.string());
+  } catch (const FileError& error) {  // no gnuplot: the numbers are there all the same
+    print_line("picture", std::string("none: ") + error.what());
+  }
+}
+
+}  // namespace
+
+Command add_run(CLI::App& app) {
+  auto* command = app.add_subcommand("run", "one run: frames for ParaView, a ledger, checkpoints");
+  auto options = std::make_shared<Options>();
+  options->problem.add_to(*command, true);
+  command->add_option("--out", options->out, "folder for the results (default: PROBLEM_METHOD)");
+  command->add_option("--restart", options->restart,
+                      "a checkpoint.h5 of the same problem to go on from");
+  command->add_flag("--overwrite", options->overwrite, "replace the results of another run");
+  command->add_flag("--quiet", options->quiet, "no progress");
+  return [options] {
+    const mpm::AnyProblem problem = options->problem.read();
+    std::visit([&](const auto& file) { run(*options, file); }, problem);
+  };
+}
+
+}  // namespace recon::program

@@ -1,0 +1,281 @@
+// recon-mpm verify: the claims of the publications, measured.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "claims.hpp"
+#include "commands.hpp"
+#include "example_problems.hpp"
+#include "programs/common/checks.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/progress.hpp"
+#include "programs/common/text.hpp"
+#include "recon/io/atomic_file.hpp"
+#include "recon/io/picture.hpp"
+#include "recon/mpm/ledger.hpp"
+#include "recon/mpm/run.hpp"
+
+namespace recon::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  bool full = false, quiet = false;
+  std::string out, only;
+};
+
+mpm::AnyProblem load(const std::string& name, std::vector<std::string> settings,
+                     std::span<const std::string> more) {
+  settings.insert(settings.end(), more.begin(), more.end());
+  return mpm::read_problem_text(example_problem(name), name + ".toml", settings);
+}
+
+std::string file_name(std::string figure) {
+  for (char& c : figure)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return figure;
+}
+
+// Draws, unless there is no folder or no gnuplot; the Markdown of the picture.
+std::string picture(const Options& options, const std::string& figure, const LinePlot& plot) {
+  if (options.out.empty()) return "";
+  const std::string name = file_name(figure) + ".png";
+  try {
+    draw(fs::path(options.out) / name, plot);
+  } catch (const FileError& error) {
+    return std::string("(no picture: ") + error.what() + ")\n\n";
+  }
+  return "![" + figure + "](" + name + ")\n\n";
+}
+
+std::string order_text(double order) { return std::isnan(order) ? "fails" : number(order, 3); }
+
+struct Verdict {
+  std::string figure, statement, verdict;
+};
+
+class Report {
+ public:
+  explicit Report(const Options& options)
+      : options_(options), progress_("verify", total(), options.quiet) {}
+
+  void add(const Claim& claim) {
+    if (!wanted(claim.figure)) return;
+    const auto& cells = options_.full ? claim.full_cells : claim.cells;
+    std::vector<double> times{0.25, 0.375, 1};
+    const auto rows = mpm::converge(
+        [&](std::span<const std::string> more) { return load(claim.problem, claim.settings, more); },
+        {claim.methods, cells, times});
+    progress_.advance(1);
+    double end = 0;
+    for (const auto& row : rows) end = std::max(end, row.time);
+
+    int kept = 0;
+    std::string broken;
+    for (const Expectation& expected : claim.expected) {
+      const double order =
+          mpm::slope(rows, expected.method, expected.field, claim.norm, claim.time * end);
+      const bool holds = expected.at_least ? order >= expected.order : !(order > expected.order);
+      kept += holds;
+      if (!holds)
+        broken += (broken.empty() ? "" : "; ") + expected.method + " " + expected.field + ": " +
+                  order_text(order) + " where " + (expected.at_least ? "at least " : "at most ") +
+                  number(expected.order, 3) + " was expected";
+    }
+    const std::string verdict = kept == static_cast<int>(claim.expected.size()) ? "holds"
+                                : kept > 0 ? "holds partly"
+                                           : "does not reproduce";
+    verdicts_.push_back({claim.figure, claim.statement, verdict});
+    text_ += "## " + claim.figure + ": " + verdict + "\n\nClaim: " + claim.statement + "\n\n" +
+             (broken.empty() ? "" : "Not as claimed: " + broken + ".\n\n") + "`" + claim.problem +
+             ".toml`";
+    for (const std::string& setting : claim.settings) text_ += ", `" + setting + "`";
+    text_ += ", cells";
+    for (const int n : cells) text_ += " " + std::to_string(n);
+    text_ += ", norm " + claim.norm + ". Orders fitted to all grids:\n\n";
+    text_ += "| method | time | displacement | velocity | density | stress |\n"
+             "| --- | --- | --- | --- | --- | --- |\n";
+    for (const std::string& method : claim.methods)
+      for (const double part : times) {
+        text_ += "| " + method + " | " + (part == 1 ? "T" : part == 0.25 ? "T/4" : "3T/8");
+        for (const char* field : {"displacement", "velocity", "density", "stress"})
+          text_ += " | " + order_text(mpm::slope(rows, method, field, claim.norm, part * end));
+        text_ += " |\n";
+      }
+    std::string failures;
+    for (const auto& row : rows)
+      if (!row.failure.empty() && row.field == "displacement" && row.norm == "l2" &&
+          row.time == end)
+        failures += "- " + row.method + ", " + std::to_string(row.cells) + " cells: " + row.failure + "\n";
+    text_ += "\n" + (failures.empty() ? "" : failures + "\n");
+    text_ += picture(options_, claim.figure, plot_of(claim, rows, end));
+  }
+
+  void add(const Account& account) {
+    if (!wanted(account.figure)) return;
+    text_ += "## " + account.figure + "\n\n" + account.statement + "\n\n" +
+             "| method | momentum defect of the map, most | change of momentum | change of angular "
+             "momentum | lowest and highest total energy | energy at the end |\n"
+             "| --- | --- | --- | --- | --- | --- |\n";
+    LinePlot energies, momenta;
+    energies.title = account.figure + ": energy";
+    momenta.title = account.figure + ": sum of m |v|";
+    energies.x_label = momenta.x_label = "time";
+    energies.y_label = "energy";
+    momenta.y_label = "momentum";
+    for (const std::string& method : account.methods) {
+      const std::string settings[] = {"method.name=" + method};
+      std::visit([&](const auto& file) { run(file.problem, method, energies, momenta); },
+                 load(account.problem, account.settings, settings));
+      progress_.advance(1);
+    }
+    text_ += "\nMomenta are parts of the largest sum of m |v|, energies parts of the first total.\n\n";
+    text_ += picture(options_, account.figure + " energy", energies);
+    text_ += picture(options_, account.figure + " momentum", momenta);
+  }
+
+  void finish() const {
+    std::string all = "# Verification\n\nWritten by `recon-mpm verify" +
+                      std::string(options_.full ? " --full" : "") +
+                      "`. An order is the slope of log(error) over log(h), fitted to all grids; "
+                      "\"second order\" asks for 1.75, \"does not converge\" for at most 0.5. T is a "
+                      "full period, at which errors of first order may cancel: T/4 and 3T/8 are "
+                      "beside it.\n\n| figure | claim | verdict |\n| --- | --- | --- |\n";
+    for (const Verdict& v : verdicts_)
+      all += "| " + v.figure + " | " + v.statement + " | " + v.verdict + " |\n";
+    all += "\n" + text_;
+    if (options_.out.empty()) {
+      std::fputs(all.c_str(), stdout);
+      return;
+    }
+    AtomicFile file(fs::path(options_.out) / "verification.md");
+    file.write(all);
+    file.commit();
+    for (const Verdict& v : verdicts_)
+      std::printf("%-18s %s: %s\n", v.verdict.c_str(), v.figure.c_str(), v.statement.c_str());
+  }
+
+ private:
+  bool wanted(const std::string& figure) const {
+    return figure.find(options_.only) != std::string::npos;
+  }
+  std::size_t total() const {
+    std::size_t count = 0;
+    for (const Claim& claim : claims()) count += wanted(claim.figure);
+    for (const Account& account : accounts())
+      count += wanted(account.figure) * account.methods.size();
+    return count;
+  }
+
+  static LinePlot plot_of(const Claim& claim, const std::vector<mpm::ConvergenceRow>& rows,
+                          double end) {
+    LinePlot plot;
+    plot.title = claim.figure;
+    plot.x_label = "cell size";
+    plot.y_label = "error / error of the coarsest grid, " + claim.norm;
+    plot.log_x = plot.log_y = true;
+    plot.reference_slope = 2;
+    for (const std::string& method : claim.methods)
+      for (const char* field : {"displacement", "velocity", "density", "stress"}) {
+        Curve curve{claim.methods.size() > 1 ? method + " " + field : field, {}, {},
+                    CurveStyle::line_and_markers};
+        for (const auto& row : rows)
+          if (row.method == method && row.field == field && row.norm == claim.norm &&
+              row.time == end) {
+            curve.x.push_back(row.h);
+            curve.y.push_back(row.error);
+          }
+        const double largest = curve.y.empty() ? 1 : curve.y.front();
+        for (double& y : curve.y) y /= largest;
+        if (!std::isnan(largest)) plot.curves.push_back(curve);
+      }
+    return plot;
+  }
+
+  template <int D>
+  void run(const mpm::Problem<D>& problem, const std::string& method, LinePlot& energies,
+           LinePlot& momenta) {
+    mpm::Simulation<D> simulation(problem);
+    Curve kinetic{method + " kinetic", {}, {}, CurveStyle::line}, strain = kinetic, total = kinetic,
+          particles{method + " particles", {}, {}, CurveStyle::line}, nodes = particles;
+    strain.name = method + " strain";
+    total.name = method + " total";
+    nodes.name = method + " nodes";
+    std::optional<mpm::Ledger> start;
+    mpm::Ledger now;
+    double defect = 0, largest = 0;
+    std::string failure;
+    try {
+      mpm::run_until(simulation, problem.time.end, [&] {
+        now = mpm::account(simulation, start);
+        if (!start) start = now;
+        double of_particles = 0, of_nodes = 0;
+        for (std::size_t p = 0; p < simulation.particles().size(); ++p)
+          of_particles += simulation.particles().mass[p] * simulation.particles().v[p].norm();
+        for (std::size_t i = 0; i < simulation.nodes().mass.size(); ++i)
+          of_nodes += simulation.nodes().mass[i] * simulation.nodes().mapped[i].norm();
+        defect = std::max(defect, distance(now.momentum, now.node_momentum));
+        largest = std::max(largest, of_particles);
+        for (Curve* curve : {&kinetic, &strain, &total, &particles, &nodes})
+          curve->x.push_back(now.time);
+        kinetic.y.push_back(now.kinetic);
+        strain.y.push_back(now.strain);
+        total.y.push_back(now.total());
+        particles.y.push_back(of_particles);
+        nodes.y.push_back(of_nodes);
+      });
+    } catch (const mpm::Failure& stop) {
+      failure = stop.what();
+    }
+    const auto [low, high] = std::minmax_element(total.y.begin(), total.y.end());
+    const double first = total.y.front();
+    text_ += "| " + method + " | " + number(defect / largest, 3) + " | " +
+             number(distance(now.momentum, start->momentum) / largest, 3) + " | " +
+             (std::abs(start->angular[2]) > 1e-9 * start->mass
+                  ? number((now.angular[2] - start->angular[2]) / start->angular[2], 3)
+                  : "-") +
+             " | " + number(*low / first, 4) + " .. " + number(*high / first, 4) + " | " +
+             number(total.y.back() / first, 4) + " |" + (failure.empty() ? "" : " " + failure) + "\n";
+    energies.curves.insert(energies.curves.end(), {kinetic, strain, total});
+    momenta.curves.insert(momenta.curves.end(), {particles, nodes});
+  }
+
+  static double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  }
+
+  const Options& options_;
+  Progress progress_;
+  std::string text_;
+  std::vector<Verdict> verdicts_;
+};
+
+void run(const Options& options) {
+  if (!options.out.empty()) {
+    std::error_code error;
+    fs::create_directories(options.out, error);
+    with_exit_code(no_output,
+                   [&] { const AtomicFile probe(fs::path(options.out) / "verification.md"); });
+  }
+  Report report(options);
+  for (const Claim& claim : claims()) report.add(claim);
+  for (const Account& account : accounts()) report.add(account);
+  with_exit_code(no_output, [&] { report.finish(); });
+}
+
+}  // namespace
+
+Command add_verify(CLI::App& app) {
+  auto* command = app.add_subcommand("verify", "the claims of the publications, measured");
+  auto options = std::make_shared<Options>();
+  command->add_flag("--full", options->full, "finer grids; takes long");
+  command->add_option("--only", options->only, "figures whose name contains this text");
+  command->add_option("--out", options->out,
+                      "folder for verification.md with pictures (default: text to the terminal)");
+  command->add_flag("--quiet", options->quiet, "no progress");
+  return [options] { run(*options); };
+}
+
+}  // namespace recon::program

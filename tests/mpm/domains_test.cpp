@@ -1,0 +1,165 @@
+// The particle domains: partition of unity, linear completeness, closed forms.
+#include "recon/mpm/domains.hpp"
+
+#include <cmath>
+
+#include "mpm/support.hpp"
+
+namespace recon::mpm::test {
+namespace {
+
+constexpr double rounding = 1e-13;
+
+template <class T>
+class Domains : public testing::Test {};
+TYPED_TEST_SUITE(Domains, AllDimensions);
+
+template <int D, class Policy>
+void expect_linear_completeness(Policy policy, const Particles<D>& particles,
+                                const Grid<D>& grid, const char* name) {
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    ShapeFunctions<D> shape;
+    policy.shape(grid, particles, p, shape);
+    double sum = 0;
+    Vector<D> slope = Vector<D>::Zero(), x = Vector<D>::Zero();
+    Matrix<D> unit = Matrix<D>::Zero();
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      const Vector<D> node = grid.position(shape.node[k]);
+      sum += shape.S[k];
+      slope += shape.G[k];
+      x += shape.S[k] * node;
+      unit += node * shape.G[k].transpose();
+      EXPECT_GE(node[D - 1], particles.x[p][D - 1] - policy.reach(particles, p, D - 1) - grid.h());
+      EXPECT_LE(node[D - 1], particles.x[p][D - 1] + policy.reach(particles, p, D - 1) + grid.h());
+    }
+    EXPECT_NEAR(sum, 1, rounding) << name;
+    EXPECT_LE(slope.norm() * grid.h(), rounding) << name;
+    EXPECT_LE((x - particles.x[p]).norm(), rounding) << name;
+    EXPECT_LE((unit - Matrix<D>::Identity()).norm(), 100 * rounding) << name;
+  }
+}
+
+// Anywhere in the grid, also at its faces, whatever the deformation.
+TYPED_TEST(Domains, ReproduceLinearFields) {
+  constexpr int D = TypeParam::value;
+  std::mt19937 random(3);
+  const Grid<D> grid(Vector<D>::Zero(), Vector<D>::Ones(), 0.125);
+  Particles<D> particles;
+  for (int p = 0; p < 200; ++p) {
+    Vector<D> x;
+    for (int d = 0; d < D; ++d)
+      x[d] = p % 5 == 0 ? 0.125 * static_cast<double>(random() % 9) : uniform(random, 0, 1);
+    particles.add(x, 0.03 * random_deformation<D>(random, 0.2), 1, 0);
+    // Some so long that their corners are gathered one by one.
+    particles.F.back() = (p % 7 == 0 ? 8.0 : 1.0) * random_deformation<D>(random, 0.3);
+  }
+  expect_linear_completeness(PointDomain{}, particles, grid, "point");
+  expect_linear_completeness(UniformGimp{}, particles, grid, "ugimp");
+  expect_linear_completeness(StretchedGimp{}, particles, grid, "cpgimp");
+  expect_linear_completeness(Cpdi1{}, particles, grid, "cpdi1");
+  for (std::size_t p = 0; p < particles.size(); ++p)
+    particles.corners.push_back(particles.domain(p));
+  expect_linear_completeness(Cpdi2{}, particles, grid, "cpdi2");
+}
+
+// On parallelepipeds both convected domains are the same.
+TYPED_TEST(Domains, Cpdi2OfAParallelepipedIsCpdi1) {
+  constexpr int D = TypeParam::value;
+  std::mt19937 random(5);
+  const Grid<D> grid(Vector<D>::Zero(), Vector<D>::Ones(), 0.1);
+  Particles<D> particles;
+  for (int p = 0; p < 50; ++p) {
+    Vector<D> x;
+    for (int d = 0; d < D; ++d) x[d] = uniform(random, 0.2, 0.8);
+    particles.add(x, 0.03 * random_deformation<D>(random, 0.2), 1, 0);
+    particles.F.back() = random_deformation<D>(random, 0.3);
+    particles.corners.push_back(particles.domain(particles.size() - 1));
+  }
+  ShapeFunctions<D> one, two;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    Cpdi1::shape(grid, particles, p, one);
+    Cpdi2::shape(grid, particles, p, two);
+    ASSERT_EQ(one.size(), two.size());
+    for (std::size_t k = 0; k < one.size(); ++k) {
+      EXPECT_NEAR(one.S[k], two.S[k], rounding);
+      EXPECT_LE((one.G[k] - two.G[k]).norm(), 1000 * rounding);
+    }
+    EXPECT_NEAR(Cpdi2::volume(particles, p), particles.volume(p),
+                rounding * particles.volume(p) * 100);
+  }
+}
+
+// The closed form of one axis (Gong 2015, section 6.3, with the sign of the last branch put right).
+TEST(Gimp, ClosedForm) {
+  const double h = 0.5, l = 0.1;
+  const auto S = [&](double s) {
+    s = std::abs(s);
+    if (s <= l) return 1 - (s * s + l * l) / (2 * h * l);
+    if (s <= h - l) return 1 - s / h;
+    return s <= h + l ? (h + l - s) * (h + l - s) / (4 * h * l) : 0;
+  };
+  const auto slope = [&](double s) {
+    const double sign = s < 0 ? -1 : 1, a = std::abs(s);
+    if (a <= l) return -s / (h * l);
+    if (a <= h - l) return -sign / h;
+    return a <= h + l ? -sign * (h + l - a) / (2 * h * l) : 0;
+  };
+  const Grid<1> grid(Vector<1>(0), Vector<1>(4), h);
+  for (double x = 0.61; x < 3.4; x += 0.0137) {
+    Particles<1> particles;
+    particles.add(Vector<1>(x), Matrix<1>(l), 1, 0);
+    ShapeFunctions<1> shape;
+    UniformGimp::shape(grid, particles, 0, shape);
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      const double s = x - grid.position(shape.node[k])[0];
+      EXPECT_NEAR(shape.S[k], S(s), rounding);
+      EXPECT_NEAR(shape.G[k][0], slope(s), 100 * rounding);
+    }
+  }
+}
+
+// The corner weights of a quadrilateral (Gong 2015, eq. 6.29, 6.30 as corrected) and the gradients
+// (6.32); its corners run counter-clockwise 1 2 3 4, ours are numbered by bits.
+TEST(Cpdi2Cell, ClosedForms) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 100; ++round) {
+    const auto near = [&](double x, double y) {
+      return Vector<2>(x + uniform(random, -0.2, 0.2), y + uniform(random, -0.2, 0.2));
+    };
+    const Vector<2> x1 = near(0, 0), x2 = near(1, 0), x3 = near(1, 1), x4 = near(0, 1);
+    const Cpdi2::Cell<2> cell(Particles<2>::Corners{x1, x2, x4, x3});
+    const auto cross = [](const Vector<2>& a, const Vector<2>& b) {
+      return a[0] * b[1] - a[1] * b[0];
+    };
+    const double area = (cross(x3 - x1, x4 - x2)) / 2;
+    const double a = (x4 - x1)[0] * (x2 - x3)[1] - (x2 - x3)[0] * (x4 - x1)[1];
+    const double b = (x3 - x4)[0] * (x1 - x2)[1] - (x1 - x2)[0] * (x3 - x4)[1];
+    EXPECT_NEAR(cell.volume, area, rounding);
+    EXPECT_NEAR(cell.weight[0], (6 * area - a - b) / (24 * area), rounding);
+    EXPECT_NEAR(cell.weight[1], (6 * area - a + b) / (24 * area), rounding);
+    EXPECT_NEAR(cell.weight[3], (6 * area + a + b) / (24 * area), rounding);
+    EXPECT_NEAR(cell.weight[2], (6 * area + a - b) / (24 * area), rounding);
+    const auto slope = [&](const Vector<2>& from, const Vector<2>& to) {
+      return Vector<2>(Vector<2>((from - to)[1], (to - from)[0]) / (2 * area));
+    };
+    EXPECT_LE((cell.slope[0] - slope(x2, x4)).norm(), 10 * rounding);
+    EXPECT_LE((cell.slope[1] - slope(x3, x1)).norm(), 10 * rounding);
+    EXPECT_LE((cell.slope[3] - slope(x4, x2)).norm(), 10 * rounding);
+    EXPECT_LE((cell.slope[2] - slope(x1, x3)).norm(), 10 * rounding);
+  }
+}
+
+TEST(GridCells, EdgesBelongToOneCell) {
+  const Grid<1> grid(Vector<1>(0), Vector<1>(1), 0.25);
+  EXPECT_EQ(grid.cell(0, 0), 0);
+  EXPECT_EQ(grid.cell(-1e-18, 0), 0);
+  EXPECT_EQ(grid.cell(0.25, 0), 1);
+  EXPECT_EQ(grid.cell(1, 0), 3);
+  EXPECT_EQ(grid.cell(1 + 1e-15, 0), 3);
+  EXPECT_TRUE(grid.contains(Vector<1>(1 + 1e-15)));
+  EXPECT_FALSE(grid.contains(Vector<1>(1.1)));
+  EXPECT_FALSE(grid.contains(Vector<1>(std::nan(""))));
+}
+
+}  // namespace
+}  // namespace recon::mpm::test

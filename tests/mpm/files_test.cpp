@@ -1,0 +1,281 @@
+// Problem files and their mistakes, runs, restarts.
+#include <gmock/gmock.h>
+#include <stdlib.h>
+
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "mpm/support.hpp"
+#include "recon/io/read.hpp"
+#include "recon/mpm/run.hpp"
+
+namespace recon::mpm::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MpmFiles : public testing::Test {
+ protected:
+  MpmFiles() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "recon-mpm-XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~MpmFiles() override { std::filesystem::remove_all(folder_); }
+
+  std::string message(const std::string& text, std::vector<std::string> settings = {}) const {
+    std::ofstream(folder_ / "p.toml") << text;
+    try {
+      read_problem(folder_ / "p.toml", settings);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static std::string contents(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+  std::filesystem::path folder_;
+};
+
+const std::string good = R"(title = "a block"
+[grid]
+lower = [0.0, 0.0]
+upper = [1.0, 1.0]
+cells = 10
+[material]
+young = 1000
+poisson = 0.3
+density = 1000
+[[body]]
+shape = "box"
+lower = [0.2, 0.2]
+upper = [0.4, 0.4]
+velocity = [0.1, "0.1 * X"]
+[[boundary]]
+axis = "x"
+at = 0
+kind = "fixed"
+[method]
+name = "cpls"
+[time]
+end = 0.5
+)";
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = good;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST_F(MpmFiles, AProblemIsRead) {
+  EXPECT_EQ(message(good), "");
+  const auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+  const Problem<2>& problem = file.problem;
+  EXPECT_EQ(problem.particles.size(), 16u);
+  EXPECT_EQ(problem.method.name, "cpls");
+  EXPECT_NEAR(problem.particles.v[0][1], 0.1 * problem.particles.X[0][0], 1e-15);
+  EXPECT_NEAR(problem.particles.L[0](1, 0), 0.1, 1e-9);
+  EXPECT_EQ(problem.particles.L[0](0, 0), 0);
+  double mass = 0;
+  for (const double m : problem.particles.mass) mass += m;
+  EXPECT_NEAR(mass, 1000 * 0.04, 1e-10);
+}
+
+TEST_F(MpmFiles, MistakesNameFileLineKeyAndChoices) {
+  EXPECT_THAT(message(with("cells = 10", "cell = 10")), HasSubstr("grid.cells: is missing"));
+  EXPECT_THAT(message(with("cells = 10", "cells = 10\ncolour = 3")),
+              AllOf(HasSubstr("p.toml:6: grid.colour: unknown key")));
+  EXPECT_THAT(message(with("\"cpls\"", "\"cpsl\"")),
+              AllOf(HasSubstr("method.name: unknown 'cpsl'"), HasSubstr("cpls")));
+  EXPECT_THAT(message(with("\"box\"", "\"bxo\"")),
+              AllOf(HasSubstr("p.toml:11: body 1.shape"), HasSubstr("box")));
+  EXPECT_THAT(message(with("young = 1000", "young = \"stiff\"")),
+              HasSubstr("p.toml:7: material.young: a number is needed, not a string"));
+  EXPECT_THAT(message(with("young = 1000", "young = -3")), HasSubstr("must be positive"));
+  EXPECT_THAT(message(with("poisson = 0.3", "poisson = 0.5")), HasSubstr("between -1 and 0.5"));
+  EXPECT_THAT(message(with("young = 1000", "young = nan")), HasSubstr("must be finite"));
+  EXPECT_THAT(message(with("lower = [0.2, 0.2]", "lower = [0.2]")),
+              HasSubstr("p.toml:12: body 1.lower: 2 values are needed"));
+  EXPECT_THAT(message(with("lower = [0.2, 0.2]", "lower = [0.5, 0.2]")), HasSubstr("above lower"));
+  EXPECT_THAT(message(with("\"0.1 * X\"", "\"0.1 * Q\"")),
+              AllOf(HasSubstr("p.toml:14: body 1.velocity"), HasSubstr("Q")));
+  EXPECT_THAT(message(with("\"0.1 * X\"", "\"1 / (X - X)\"")), HasSubstr("not finite"));
+  EXPECT_THAT(message(with("at = 0", "at = 0.05")), HasSubstr("plane of nodes"));
+  EXPECT_THAT(message(with("axis = \"x\"", "axis = \"z\"")), HasSubstr("'x' or 'y'"));
+  EXPECT_THAT(message(with("end = 0.5", "end = 0")), HasSubstr("time.end: must be positive"));
+  EXPECT_THAT(message(with("upper = [1.0, 1.0]", "upper = [1.03, 1.0]")),
+              HasSubstr("whole number of cells"));
+  EXPECT_THAT(message(with("[grid]", "[grid")), HasSubstr("p.toml:2"));
+  EXPECT_THAT(message(with("[[body]]", "[body]")), HasSubstr("[[body]]"));
+  EXPECT_THAT(message(with("lower = [0.0, 0.0]", "lower = 0.0")), HasSubstr("one for each axis"));
+  EXPECT_THAT(message(with("lower = [0.2, 0.2]\nupper = [0.4, 0.4]",
+                           "lower = [0.21, 0.21]\nupper = [0.22, 0.22]")),
+              HasSubstr("no particle"));
+  EXPECT_THAT(message(good + "[loads]\ngravity = [0, -1, 0]\n"), HasSubstr("loads.gravity"));
+  try {
+    read_problem(folder_ / "none.toml");
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no such file"));
+  }
+}
+
+TEST_F(MpmFiles, SettingsReplaceValues) {
+  EXPECT_EQ(message(good, {"cells=20", "method.name=mpm", "particles=3", "momentum_correction=true"}),
+            "");
+  const auto file = std::get<ProblemFile<2>>(read_problem(
+      folder_ / "p.toml",
+      std::vector<std::string>{"cells=20", "name=impm", "particles=3", "threads=2"}));
+  EXPECT_EQ(file.problem.method.name, "impm");
+  EXPECT_EQ(file.problem.threads, 2);
+  EXPECT_EQ(file.problem.particles.size(), 144u);
+  EXPECT_THAT(message(good, {"cels=20"}), HasSubstr("cells"));
+  EXPECT_THAT(message(good, {"cells"}), HasSubstr("key=value"));
+  EXPECT_THAT(message(good, {"cells=many"}), HasSubstr("a number is needed"));
+}
+
+TEST_F(MpmFiles, BodiesOfAllShapes) {
+  const auto count = [&](const std::string& body) {
+    const std::string what = message(with("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]", body));
+    EXPECT_EQ(what, "") << body;
+    const auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+    double volume = 0;
+    for (const double v : file.problem.particles.volume0) volume += v;
+    return volume;
+  };
+  EXPECT_NEAR(count("shape = \"disk\"\ncentre = [0.5, 0.5]\nradius = 0.4\nparticles = 8"),
+              M_PI * 0.16, 0.002);
+  EXPECT_NEAR(count("shape = \"ring\"\nlayout = \"polar\"\ncentre = [0.5, 0.5]\ninner = 0.2\nouter = 0.4"),
+              M_PI * 0.12, 1e-12);
+  EXPECT_NEAR(count("shape = \"polygon\"\nwkt = \"POLYGON((0 0, 1 0, 0 1, 0 0))\"\nparticles = 8"), 0.5,
+              0.01);
+  EXPECT_NEAR(count("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]\nlayout = \"jittered\""), 0.04,
+              1e-12);
+  std::ofstream(folder_ / "grains.csv") << "x,y,volume\n0.5,0.5,0.01\n0.6,0.5,0.02\n";
+  EXPECT_NEAR(count("shape = \"file\"\nfile = \"grains.csv\""), 0.03, 1e-12);
+  EXPECT_THAT(message(with("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]",
+                           "shape = \"polygon\"\nwkt = \"POLYGON((0 0, 1 0\"")),
+              HasSubstr("wkt"));
+  EXPECT_THAT(message(with("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]",
+                           "shape = \"polygon\"\nwkt = \"POLYGON((0 0, 1 1, 1 0, 0 1, 0 0))\"")),
+              HasSubstr("wkt"));
+}
+
+// A pressure on a side acts on the area of that side.
+TEST_F(MpmFiles, PressureAddsUpToForce) {
+  EXPECT_EQ(message(good + "[[pressure]]\nside = \"x_upper\"\nmagnitude = 3\n"), "");
+  auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+  Vector<2> area = Vector<2>::Zero();
+  for (const auto& load : file.problem.loads) area += load.area;
+  EXPECT_LE((area - Vector<2>(0.2, 0)).norm(), 1e-14);
+  for (auto& v : file.problem.particles.v) v.setZero();
+  Simulation<2> simulation(file.problem);
+  simulation.map();
+  Vector<2> force = Vector<2>::Zero();
+  for (const auto& f : simulation.nodes().force) force += f;
+  EXPECT_LE((force - Vector<2>(-0.6, 0)).norm(), 1e-13);
+}
+
+// A run in two parts is bit for bit the run in one, ledger included.
+TEST_F(MpmFiles, RestartIsExact) {
+  for (const Method& method : methods()) {
+    auto file = read_example<2>("disks.toml", {"name=" + method.name, "cells=10", "frames=4"});
+    for (auto& v : file.problem.particles.v) v *= 8;
+    file.problem.time.end = 0.6;
+    const auto whole = folder_ / (method.name + "_whole"), parts = folder_ / (method.name + "_parts");
+    run(file, {.folder = whole, .name = "d"});
+
+    struct Stop {};
+    std::int64_t steps = 0;
+    try {
+      run(file, {.folder = parts,
+                 .name = "d",
+                 .progress = [&](double time, std::int64_t at, const Step&) {
+                   steps = at;
+                   if (time > 0.4) throw Stop{};
+                 }});
+      FAIL();
+    } catch (const Stop&) {
+    }
+    EXPECT_GT(steps, 3);
+    run(file, {.folder = parts, .name = "d", .restart = parts / "checkpoint.h5"});
+    EXPECT_EQ(contents(whole / "ledger.csv"), contents(parts / "ledger.csv")) << method.name;
+    EXPECT_EQ(contents(whole / "d_particles_0004.vtp"), contents(parts / "d_particles_0004.vtp"));
+    EXPECT_EQ(contents(whole / "d_nodes_0004.vti"), contents(parts / "d_nodes_0004.vti"));
+    EXPECT_EQ(contents(whole / "d_particles.pvd"), contents(parts / "d_particles.pvd"));
+    Simulation<2> a(file.problem), b(file.problem);
+    read_checkpoint(whole / "checkpoint.h5", a);
+    read_checkpoint(parts / "checkpoint.h5", b);
+    EXPECT_EQ(0, std::memcmp(a.particles().x.data(), b.particles().x.data(),
+                             a.particles().size() * sizeof(Vector<2>)));
+    EXPECT_EQ(a.time(), b.time());
+  }
+}
+
+TEST_F(MpmFiles, ResultsOfAnotherRunAreKept) {
+  auto file = read_example<2>("disks.toml", {"cells=10", "frames=2"});
+  file.problem.time.end = 0.1;
+  run(file, {.folder = folder_ / "out"});
+  EXPECT_THROW(run(file, {.folder = folder_ / "out"}), FileError);
+  EXPECT_NO_THROW(run(file, {.folder = folder_ / "out", .overwrite = true}));
+  const auto ledger = read_particles(folder_ / "out" / "ledger.csv");
+  EXPECT_TRUE(ledger.has("algorithmic_error"));
+}
+
+TEST_F(MpmFiles, WrongCheckpointsAreAnswered) {
+  auto file = read_example<2>("disks.toml", {"cells=10", "frames=1", "name=mpm"});
+  file.problem.time.end = 0.05;
+  run(file, {.folder = folder_ / "out"});
+  const auto what = [&](auto simulation, const std::filesystem::path& path) -> std::string {
+    try {
+      read_checkpoint(path, simulation);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto checkpoint = folder_ / "out" / "checkpoint.h5";
+  EXPECT_EQ(what(Simulation<2>(file.problem), checkpoint), "");
+  auto other = file.problem;
+  other.method = method_named("impm");
+  EXPECT_THAT(what(Simulation<2>(other), checkpoint), HasSubstr("of the method 'mpm'"));
+  EXPECT_THAT(what(Simulation<1>(block<1>(10, 0.2, 0.4)), checkpoint), HasSubstr("2 dimensions"));
+  EXPECT_THAT(what(Simulation<2>(block<2>(10, 0.2, 0.4)), checkpoint), HasSubstr("the problem needs"));
+  EXPECT_THAT(what(Simulation<2>(file.problem), folder_ / "none.h5"), HasSubstr("no such file"));
+  std::ofstream(folder_ / "text.h5") << "not HDF5";
+  EXPECT_THAT(what(Simulation<2>(file.problem), folder_ / "text.h5"), HasSubstr("no HDF5 file"));
+}
+
+// A run that fails leaves the ledger up to the step, and a checkpoint that can be read.
+TEST_F(MpmFiles, AFailureLosesNothing) {
+  auto file = read_example<2>("wall.toml", {"cells=10", "frames=40", "name=mpm"});
+  for (auto& v : file.problem.particles.v) v = Vector<2>(1, 0);
+  file.problem.boundaries.clear();  // out of the grid
+  file.problem.time.end = 2;
+  EXPECT_THROW(run(file, {.folder = folder_ / "out"}), Failure);
+  const auto ledger = read_particles(folder_ / "out" / "ledger.csv");
+  EXPECT_GT(ledger.size(), 3u);
+  Simulation<2> simulation(file.problem);
+  read_checkpoint(folder_ / "out" / "checkpoint.h5", simulation);
+  EXPECT_GT(simulation.steps(), 0);
+}
+
+TEST(MpmExamples, AllAreRead) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(example(""))) {
+    if (entry.path().extension() != ".toml") continue;
+    EXPECT_NO_THROW(read_problem(entry.path())) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 9);
+}
+
+}  // namespace
+}  // namespace recon::mpm::test

@@ -1,0 +1,87 @@
+// Materials: stress is the slope of energy, rigid turns change nothing, small strains are linear.
+#include "recon/mpm/material.hpp"
+
+#include "mpm/support.hpp"
+
+namespace recon::mpm::test {
+namespace {
+
+template <class T>
+class Materials : public testing::Test {};
+TYPED_TEST_SUITE(Materials, AllDimensions);
+
+// J sigma = (dW/dF) F^T.
+TYPED_TEST(Materials, NeoHookeanStressIsTheSlopeOfItsEnergy) {
+  constexpr int D = TypeParam::value;
+  const NeoHookean material{Lame::from(100, 0.3)};
+  std::mt19937 random(2);
+  for (int round = 0; round < 20; ++round) {
+    const Matrix<D> F = random_deformation<D>(random, 0.3), none = Matrix<D>::Zero();
+    Matrix<D> stress, ignored, slope;
+    double energy = 0, up = 0, down = 0;
+    material.update(F, none, 0, stress, energy);
+    EXPECT_GE(energy, 0);
+    const double step = 1e-5;
+    for (int i = 0; i < D; ++i)
+      for (int j = 0; j < D; ++j) {
+        Matrix<D> change = none;
+        change(i, j) = step;
+        material.update(Matrix<D>(F + change), none, 0, ignored, up);
+        material.update(Matrix<D>(F - change), none, 0, ignored, down);
+        slope(i, j) = (up - down) / (2 * step);
+      }
+    EXPECT_LE((stress * F.determinant() - slope * F.transpose()).norm(), 1e-6 * material.mu);
+  }
+}
+
+// A strain of 1e-6 in a hundred steps: sigma = lambda tr(e) I + 2 mu e in both.
+TYPED_TEST(Materials, SmallStrainIsHookes) {
+  constexpr int D = TypeParam::value;
+  const Lame elastic = Lame::from(100, 0.25);
+  std::mt19937 random(4);
+  const Matrix<D> rate = random_deformation<D>(random, 1) - Matrix<D>::Identity();
+  const Matrix<D> e = 1e-6 * (rate + rate.transpose()) / 2;
+  const Matrix<D> expected = elastic.lambda * e.trace() * Matrix<D>::Identity() + 2 * elastic.mu * e;
+  Matrix<D> F = Matrix<D>::Identity(), hypo = Matrix<D>::Zero(), hyper;
+  double hypo_energy = 0, hyper_energy = 0;
+  for (int step = 0; step < 100; ++step) {
+    F += 1e-8 * rate * F;
+    LinearElastic{elastic}.update(F, rate, 1e-8, hypo, hypo_energy);
+  }
+  NeoHookean{elastic}.update(F, rate, 0, hyper, hyper_energy);
+  EXPECT_LE((hypo - expected).norm(), 1e-4 * expected.norm());
+  EXPECT_LE((hyper - expected).norm(), 1e-4 * expected.norm());
+  EXPECT_NEAR(hypo_energy, expected.cwiseProduct(e).sum() / 2, 1e-4 * hypo_energy);
+  EXPECT_NEAR(hyper_energy, hypo_energy, 1e-3 * hypo_energy);
+}
+
+// A stressed material that turns: the stress turns with it, the energy stays.
+TEST(LinearElasticMaterial, RigidTurn) {
+  const LinearElastic material{Lame::from(100, 0.25)};
+  Matrix<2> stress, spin;
+  stress << 3, 1, 1, -2;
+  spin << 0, -1, 1, 0;
+  const Matrix<2> before = stress;
+  double energy = 0.5;
+  const int steps = 20000;
+  const double angle = 0.7;
+  for (int s = 0; s < steps; ++s)
+    material.update(Matrix<2>(Matrix<2>::Identity()), spin, angle / steps, stress, energy);
+  Matrix<2> turn;
+  turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  EXPECT_LE((stress - turn * before * turn.transpose()).norm(), 1e-3);
+  EXPECT_NEAR(energy, 0.5, 1e-12);
+}
+
+TEST(LameConstants, SpeedsAndRanges) {
+  const Lame steel = Lame::from(1e7, 0.3);
+  EXPECT_NEAR(steel.bar_wave_speed(1000), 100, 1e-10);
+  EXPECT_NEAR(steel.p_wave_speed(1000), 100 * std::sqrt(0.7 / (1.3 * 0.4)), 1e-10);
+  EXPECT_THROW(Lame::from(0, 0.3), InvalidArgument);
+  EXPECT_THROW(Lame::from(1, 0.5), InvalidArgument);
+  EXPECT_THROW(Lame::from(1, -1), InvalidArgument);
+  EXPECT_THROW(Lame::from(std::nan(""), 0.3), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace recon::mpm::test

@@ -1,0 +1,249 @@
+// Steps: rigid motion, conservation, threads, failures.
+#include "recon/mpm/simulation.hpp"
+
+#include <cstring>
+
+#include "mpm/support.hpp"
+#include "recon/mpm/ledger.hpp"
+#include "recon/mpm/run.hpp"
+
+namespace recon::mpm::test {
+namespace {
+
+std::vector<std::string> all_methods() {
+  std::vector<std::string> names;
+  for (const Method& method : methods()) names.push_back(method.name);
+  return names;
+}
+
+class EveryMethod : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Mpm, EveryMethod, testing::ValuesIn(all_methods()),
+                         [](const auto& each) { return each.param; });
+
+template <int D>
+void run_steps(Simulation<D>& simulation, int steps, double dt) {
+  for (int s = 0; s < steps; ++s) {
+    simulation.map();
+    simulation.advance(dt);
+  }
+}
+
+// A block that flies through the grid stays as it is: crossing cells, particles exactly on
+// edges and 1e-18 off them change nothing.
+template <int D>
+void expect_rigid_flight(const std::string& method) {
+  Problem<D> problem = block<D>(8, 0.25, 0.5, method);
+  Particles<D>& particles = problem.particles;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    for (int d = 0; d < D; ++d) {
+      particles.v[p][d] = 0.1 + 0.05 * d;
+      if (p % 3 == 0) particles.x[p][d] = std::round(particles.x[p][d] * 8) / 8;  // on an edge
+      if (p % 3 == 1) particles.x[p][d] -= 1e-18;
+    }
+  }
+  const auto before = particles;
+  Simulation<D> simulation(problem);
+  const double dt = 0.01;
+  run_steps(simulation, 200, dt);
+  for (std::size_t p = 0; p < before.size(); ++p) {
+    const auto& now = simulation.particles();
+    EXPECT_LE((now.v[p] - before.v[p]).norm(), 1e-12) << method;
+    EXPECT_LE((now.x[p] - before.x[p] - 200 * dt * before.v[p]).norm(), 1e-11) << method;
+    EXPECT_LE((now.F[p] - Matrix<D>::Identity()).norm(), 1e-10) << method;
+  }
+}
+TEST_P(EveryMethod, RigidFlight) {
+  expect_rigid_flight<1>(GetParam());
+  expect_rigid_flight<2>(GetParam());
+}
+TEST_P(EveryMethod, RigidFlightIn3D) { expect_rigid_flight<3>(GetParam()); }
+
+// Two blocks collide in free flight.
+Problem<2> collision(const std::string& method) {
+  Problem<2> problem = block<2>(10, 0.2, 0.4, method);
+  const Problem<2> other = block<2>(10, 0.5, 0.7, method);
+  for (std::size_t p = 0; p < problem.particles.size(); ++p) problem.particles.v[p] << 0.1, 0.07;
+  problem.materials.push_back(LinearElastic{Lame::from(500, 0.2)});
+  problem.densities.push_back(1000);
+  for (std::size_t p = 0; p < other.particles.size(); ++p) {
+    problem.particles.add(other.particles.X[p], other.particles.half_edges[p], 1000, 1);
+    problem.particles.v.back() << -0.2, -0.1;
+  }
+  return problem;
+}
+
+double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+// Mass always; momentum with the mass-weighted map, whose nodes have the particles' momentum. For
+// fitted maps the defect is what the ledger says, and the correction takes it away.
+TEST_P(EveryMethod, MassAndMomentum) {
+  for (const bool corrected : {false, true}) {
+    Problem<2> problem = collision(GetParam());
+    problem.method.momentum_correction = corrected;
+    const bool mass_weighted = problem.method.velocity == VelocityMap::mass_weighted;
+    Simulation<2> simulation(problem);
+    simulation.map();
+    const Ledger start = account(simulation);
+    double defect = 0;
+    for (int s = 0; s < 60; ++s) {
+      simulation.map();
+      const Ledger now = account(simulation, start);
+      EXPECT_NEAR(now.mass, start.mass, 1e-12 * start.mass);
+      if (problem.method.quadrature == Quadrature::particles) {
+        EXPECT_NEAR(now.node_mass, now.mass, 1e-9 * now.mass);
+      }
+      defect = std::max(defect, distance(now.momentum, now.node_momentum));
+      EXPECT_NEAR(now.total() - start.total(), -now.interpolation_error - now.algorithmic_error,
+                  1e-10 * start.total());
+      simulation.advance(0.01);
+    }
+    const double size = start.mass * 0.2;
+    EXPECT_LE(defect, (mass_weighted || corrected ? 1e-9 : 0.2) * size) << GetParam();
+    simulation.map();
+    const Ledger end = account(simulation, start);
+    // Internal forces add up to zero in either quadrature.
+    if (problem.method.quadrature == Quadrature::particles) {
+      EXPECT_LE(distance(end.momentum, start.momentum), 1e-9 * size) << GetParam();
+    }
+  }
+}
+
+// The same bits for any number of threads.
+TEST_P(EveryMethod, ThreadsChangeNothing) {
+  std::vector<std::vector<Vector<2>>> results;
+  for (const int threads : {1, 2, 3}) {
+    Problem<2> problem = collision(GetParam());
+    problem.threads = threads;
+    Simulation<2> simulation(problem);
+    run_steps(simulation, 60, 0.01);
+    results.push_back(simulation.particles().x);
+    results.push_back(simulation.particles().v);
+  }
+  for (std::size_t i = 2; i < results.size(); ++i)
+    EXPECT_EQ(0, std::memcmp(results[i].data(), results[i % 2].data(),
+                             results[i].size() * sizeof(Vector<2>)))
+        << GetParam();
+}
+
+TEST(Steps, RulesAndTheParticleThatLimits) {
+  Problem<2> problem = block<2>(10, 0.2, 0.6);
+  problem.particles.v[7] << 3, 4;
+  const Lame elastic = lame(problem.materials[0]);
+  const double c_p = elastic.p_wave_speed(1000), h = problem.grid.h();
+  problem.time.courant = 0.5;
+  const Step adaptive = Simulation<2>(problem).choose_step();
+  EXPECT_EQ(adaptive.particle, 7u);
+  EXPECT_NEAR(adaptive.dt, 0.5 * h / (c_p + 5), 1e-15);
+  problem.time.rule = StepRule::p_wave;
+  EXPECT_NEAR(Simulation<2>(problem).choose_step().dt, 0.5 * h / c_p, 1e-15);
+  problem.time.rule = StepRule::bar_wave;
+  EXPECT_NEAR(Simulation<2>(problem).choose_step().dt, 0.5 * h / 1, 1e-15);  // sqrt(1000 / 1000)
+  problem.time.rule = StepRule::fixed;
+  problem.time.step = 0.0123;
+  EXPECT_EQ(Simulation<2>(problem).choose_step().dt, 0.0123);
+}
+
+// A falling block: gravity to the second order from the first step on.
+TEST(Forces, GravityIsExactForFreeFall) {
+  for (const char* method : {"mpm", "impm", "cpls"}) {
+    Problem<2> problem = block<2>(10, 0.5, 0.9, method);
+    problem.gravity << 0.5, -1;
+    const Vector<2> start = problem.particles.x[0];
+    Simulation<2> simulation(problem);
+    for (const double dt : {0.01, 0.02, 0.005, 0.01, 0.015}) {
+      simulation.map();
+      simulation.advance(dt);
+    }
+    const double t = simulation.time();
+    EXPECT_LE((simulation.particles().x[0] - start - problem.gravity * (t * t / 2)).norm(), 1e-13)
+        << method;
+  }
+}
+
+// The momentum after the first half kick is force times half a step.
+TEST(Forces, PointLoadPushesTheMass) {
+  Problem<1> problem = block<1>(10, 0.2, 0.6);
+  problem.loads.push_back({3, Vector<1>(2.0), Vector<1>(0.0), [](double t) { return 1 + t; }});
+  Simulation<1> simulation(problem);
+  simulation.map();
+  const double mass = account(simulation).mass;
+  simulation.advance(0.001);
+  simulation.map();
+  EXPECT_NEAR(account(simulation).momentum[0], 2.0 * 0.001 / 2, 1e-12 * mass);
+}
+
+TEST(Boundaries, HoldWhatTheySay) {
+  Problem<2> problem = block<2>(8, 0, 1);
+  for (auto& v : problem.particles.v) v << 1, 2;
+  Boundary<2> fixed, roller, driven;
+  fixed.velocity = {0.0, 0.0};
+  roller.axis = 1;
+  roller.at = 1;
+  roller.velocity[1] = 0.0;
+  driven.at = 1;
+  driven.velocity[0] = 0.25;
+  problem.boundaries = {fixed, roller, driven};
+  Simulation<2> simulation(problem);
+  simulation.map();
+  const auto& nodes = simulation.nodes();
+  for (std::size_t i = 0; i < problem.grid.size(); ++i) {
+    const Vector<2> x = problem.grid.position(i), v = nodes.velocity[i];
+    EXPECT_NEAR(v[0], x[0] == 0 ? 0 : x[0] == 1 ? 0.25 : 1, 1e-12);
+    EXPECT_NEAR(v[1], x[0] == 0 || x[1] == 1 ? 0 : 2, 1e-12);
+    EXPECT_LE((nodes.mapped[i] - Vector<2>(1, 2)).norm(), 1e-12);
+  }
+}
+
+TEST(Failures, NameTheParticleAndTheStep) {
+  Problem<2> problem = block<2>(10, 0.2, 0.6);
+  for (auto& v : problem.particles.v) v << 1, 0;
+  Simulation<2> leaving(problem);
+  try {
+    run_steps(leaving, 1000, 0.01);
+    FAIL() << "it must leave the grid";
+  } catch (const Failure& failure) {
+    EXPECT_NE(std::string(failure.what()).find("left the grid"), std::string::npos);
+    EXPECT_GE(failure.step(), 40);
+    EXPECT_GT(leaving.particles().x[failure.particle()][0], 0.98);
+  }
+  // Opposite velocities in one cell: turned inside out by one long step.
+  problem = block<2>(10, 0.2, 0.6);
+  for (std::size_t p = 0; p < problem.particles.size(); ++p)
+    problem.particles.v[p][0] = problem.particles.x[p][0] < 0.4 ? 1 : -1;
+  Simulation<2> crushed(problem);
+  crushed.map();
+  EXPECT_THROW(crushed.advance(0.3), Failure);
+  // A velocity that is not a number.
+  problem = block<2>(10, 0.2, 0.6);
+  Simulation<2> poisoned(problem);
+  poisoned.map();
+  EXPECT_THROW(poisoned.advance(std::nan("")), InvalidArgument);
+  problem.particles.v[5][0] = std::nan("");
+  EXPECT_THROW(Simulation<2>{problem}, InvalidArgument);
+}
+
+TEST(Problems, AreChecked) {
+  const auto blamed = [](auto change) -> std::string {
+    Problem<2> problem = block<2>(10, 0.2, 0.6);
+    change(problem);
+    try {
+      Simulation<2> simulation(problem);
+    } catch (const InvalidArgument& error) {
+      return error.argument();
+    }
+    return "";
+  };
+  EXPECT_EQ(blamed([](auto&) {}), "");
+  EXPECT_EQ(blamed([](auto& p) { p.particles = {}; }), "particles");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.x[3][0] = 2; }), "position of a particle");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.mass[3] = 0; }), "mass of a particle");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.body[3] = 1; }), "body of a particle");
+  EXPECT_EQ(blamed([](auto& p) { p.boundaries.push_back({0, 0.123, {}}); }), "place of a boundary");
+  EXPECT_EQ(blamed([](auto& p) { p.method.degree = 3; }), "degree of the method");
+  EXPECT_EQ(blamed([](auto& p) { p.time.courant = 0; }), "courant");
+}
+
+}  // namespace
+}  // namespace recon::mpm::test

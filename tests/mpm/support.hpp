@@ -1,0 +1,64 @@
+// Problems that the tests of the driver share.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "recon/mpm/read_problem.hpp"
+#include "recon/mpm/simulation.hpp"
+
+namespace recon::mpm::test {
+
+inline std::filesystem::path example(const std::string& name) {
+  return std::filesystem::path(RECON_SOURCE_DIR) / "examples/mpm" / name;
+}
+
+template <int D>
+ProblemFile<D> read_example(const std::string& name, std::vector<std::string> settings = {}) {
+  return std::get<ProblemFile<D>>(read_problem(example(name), settings));
+}
+
+inline double uniform(std::mt19937& random, double lower, double upper) {
+  return std::uniform_real_distribution<double>(lower, upper)(random);
+}
+
+template <int D>
+Matrix<D> random_deformation(std::mt19937& random, double size) {
+  Matrix<D> F = Matrix<D>::Identity();
+  for (int i = 0; i < D; ++i)
+    for (int j = 0; j < D; ++j) F(i, j) += uniform(random, -size, size);
+  return F;
+}
+
+// Elastic particles that fill [lower, upper]^D of the grid [0, 1]^D, at rest.
+template <int D>
+Problem<D> block(int cells, double lower, double upper, const std::string& method = "mpm",
+                 int per_cell = 2) {
+  Problem<D> problem;
+  problem.grid = Grid<D>(Vector<D>::Zero(), Vector<D>::Ones(), 1.0 / cells);
+  problem.materials = {NeoHookean{Lame::from(1000, 0.3)}};
+  problem.densities = {1000};
+  problem.method = method_named(method);
+  const double edge = problem.grid.h() / per_cell;
+  const int count = static_cast<int>(std::lround((upper - lower) / edge));
+  int all = 1;
+  for (int d = 0; d < D; ++d) all *= count;
+  for (int i = 0; i < all; ++i) {
+    Vector<D> X;
+    for (int d = 0, rest = i; d < D; ++d, rest /= count)
+      X[d] = lower + (rest % count + 0.5) * edge;
+    problem.particles.add(X, Matrix<D>::Identity() * (edge / 2), 1000, 0);
+  }
+  return problem;
+}
+
+// Types int<1>, int<2>, int<3> for typed tests.
+template <int D>
+using Dimension = std::integral_constant<int, D>;
+using AllDimensions = testing::Types<Dimension<1>, Dimension<2>, Dimension<3>>;
+
+}  // namespace recon::mpm::test
