@@ -41,6 +41,9 @@ Section run_grid(Lab& lab);
 Section run_instruction_sets(Lab& lab);
 Section run_scaling(Lab& lab);
 Section run_memory(Lab& lab);
+#ifdef RECON_BENCH_HAS_MPM
+Section run_mpm(Lab& lab);
+#endif
 
 // `table` is a CSV file that bench/peers.py wrote.
 Section run_peers(Lab& lab, const std::string& table);

@@ -35,6 +35,9 @@ constexpr Part parts[] = {{"cloud", run_cloud},
                           {"grid", run_grid},
                           {"instruction_sets", run_instruction_sets},
                           {"scaling", run_scaling},
+#ifdef RECON_BENCH_HAS_MPM
+                          {"mpm", run_mpm},
+#endif
                           {"memory", run_memory}};
 
 struct Command {

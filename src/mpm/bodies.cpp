@@ -11,7 +11,8 @@ void fill_cells(const Grid<D>& grid, const Inside<D>& inside, int n, double jitt
                 int body, Particles<D>& out) {
   const double edge = grid.h() / n;
   std::size_t count = 1;
-  for (int d = 0; d < D; ++d) count *= static_cast<std::size_t>(grid.cells(d)) * static_cast<std::size_t>(n);
+  for (int d = 0; d < D; ++d)
+    count *= static_cast<std::size_t>(grid.cells(d)) * static_cast<std::size_t>(n);
   std::mt19937 random(1);
   for (std::size_t i = 0; i < count; ++i) {
     Vector<D> X;
@@ -63,10 +64,10 @@ std::vector<SurfacePart<D>> surface(const Particles<D>& particles, int body,
   return found;
 }
 
-#define RECON_INSTANTIATE(D)                                                                    \
-  template void fill_cells(const Grid<D>&, const Inside<D>&, int, double, double, int,          \
-                           Particles<D>&);                                                      \
-  template std::vector<SurfacePart<D>> surface(const Particles<D>&, int,                        \
+#define RECON_INSTANTIATE(D)                                                                      \
+  template void fill_cells(const Grid<D>&, const Inside<D>&, int, double, double, int,            \
+                           Particles<D>&);                                                        \
+  template std::vector<SurfacePart<D>> surface(const Particles<D>&, int,                          \
                                                const std::function<Vector<D>(const Vector<D>&)>&, \
                                                const std::function<double(const Vector<D>&)>&);
 RECON_INSTANTIATE(1)

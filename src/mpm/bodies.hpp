@@ -13,8 +13,8 @@ namespace recon::mpm {
 template <int D>
 using Inside = std::function<bool(const Vector<D>&)>;
 
-// Particles at the fractions (j - 1/2) / n of the grid's cells, n an axis, wherever they are inside.
-// jitter: moved at random by up to this part of their own box, the same way every time.
+// Particles at the fractions (j - 1/2) / n of the grid's cells, n an axis, wherever they are
+// inside. jitter: moved at random by up to this part of their own box, the same way every time.
 template <int D>
 void fill_cells(const Grid<D>& grid, const Inside<D>& inside, int n, double jitter, double density,
                 int body, Particles<D>& out);

@@ -104,8 +104,8 @@ void integrate_cells(const Grid<D>& grid, const Cells<D>& cells, Nodes<D>& nodes
   }
 }
 
-#define RECON_INSTANTIATE(D)                                                                      \
-  template void fit_cells(const Problem<D>&, const std::vector<Vector<D>>&, Cells<D>&);           \
+#define RECON_INSTANTIATE(D)                                                            \
+  template void fit_cells(const Problem<D>&, const std::vector<Vector<D>>&, Cells<D>&); \
   template void integrate_cells(const Grid<D>&, const Cells<D>&, Nodes<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

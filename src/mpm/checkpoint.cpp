@@ -58,8 +58,8 @@ struct Writer {
   void put(const char* name, const void* data, hid_t type, hsize_t rows, hsize_t columns) const {
     const hsize_t size[2] = {rows, columns};
     const Handle space(H5Screate_simple(2, size, nullptr), H5Sclose);
-    const Handle set(
-        H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    const Handle set(H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Dclose);
     check(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
   }
   template <class T>
@@ -102,11 +102,10 @@ struct Reader {
     H5Sget_simple_extent_dims(space, size, nullptr);
     check((size[0] == particles || !of_particles) && size[1] == columns,
           std::string(name) + " is " + std::to_string(size[0]) + " x " + std::to_string(size[1]) +
-              ", the problem needs " + std::to_string(particles) + " x " +
-              std::to_string(columns));
+              ", the problem needs " + std::to_string(particles) + " x " + std::to_string(columns));
     values.resize(size[0]);
-    check(H5Dread(set, whole ? H5T_NATIVE_INT32 : H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL,
-                  H5P_DEFAULT, values.data()) >= 0,
+    check(H5Dread(set, whole ? H5T_NATIVE_INT32 : H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                  values.data()) >= 0,
           std::string(name) + " could not be read");
   }
   void attribute(const char* name, void* value, hid_t type) const {
@@ -150,9 +149,8 @@ void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& si
   const Silence silence;
   AtomicFile atomic(path);
   {
-    const Handle file(H5Fcreate(atomic.temporary().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT,
-                                H5P_DEFAULT),
-                      H5Fclose);
+    const Handle file(
+        H5Fcreate(atomic.temporary().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
     const Writer write{path, file};
     write.check(file >= 0);
     const Particles<D>& particles = simulation.particles();
@@ -190,8 +188,7 @@ RunState read_checkpoint(const std::filesystem::path& path, Simulation<D>& simul
   for_all_arrays(read, particles);
   if (!simulation.particles().corners.empty()) read("corners", particles.corners);
   simulation.restore(std::move(particles), read.number("time"),
-                     static_cast<std::int64_t>(read.number("steps")),
-                     read.number("last_dt"));
+                     static_cast<std::int64_t>(read.number("steps")), read.number("last_dt"));
   RunState state;
   read("frame_times", state.frame_times, false);
   state.start.kinetic = read.number("start_kinetic");
@@ -200,8 +197,9 @@ RunState read_checkpoint(const std::filesystem::path& path, Simulation<D>& simul
   return state;
 }
 
-#define RECON_INSTANTIATE(D)                                                                      \
-  template void write_checkpoint(const std::filesystem::path&, const Simulation<D>&, const RunState&); \
+#define RECON_INSTANTIATE(D)                                                         \
+  template void write_checkpoint(const std::filesystem::path&, const Simulation<D>&, \
+                                 const RunState&);                                   \
   template RunState read_checkpoint(const std::filesystem::path&, Simulation<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

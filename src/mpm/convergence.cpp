@@ -16,7 +16,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 template <int D>
 void add_rows(const Problem<D>& problem, const std::vector<double>& times,
               const ConvergenceRow& row, std::vector<ConvergenceRow>& rows) {
-  require(problem.exact != nullptr, "problem", problem.title, "has no exact solution to compare with");
+  require(problem.exact != nullptr, "problem", problem.title,
+          "has no exact solution to compare with");
   std::string failure;
   Simulation<D> simulation(problem);
   for (const double part : times) {
@@ -69,9 +70,9 @@ std::vector<ConvergenceRow> converge(
   });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const bool first = i == 0 || rows[i].cells == study.cells.front();
-    rows[i].order = first ? nan
-                          : std::log(rows[i - 1].error / rows[i].error) /
-                                std::log(rows[i - 1].h / rows[i].h);
+    rows[i].order =
+        first ? nan
+              : std::log(rows[i - 1].error / rows[i].error) / std::log(rows[i - 1].h / rows[i].h);
   }
   return rows;
 }

@@ -19,11 +19,10 @@ std::vector<FieldError> errors(const Simulation<D>& simulation) {
     std::get<NeoHookean>(problem.materials[particles.body[p]])
         .update(now.F, particles.L[p], 0, stress, energy);
     const double density = particles.mass[p] / (particles.volume0[p] * now.F.determinant());
-    const double squared[] = {
-        (particles.x[p] - particles.X[p] - now.displacement).squaredNorm(),
-        (particles.v[p] - before.velocity).squaredNorm(),
-        (particles.density(p) - density) * (particles.density(p) - density),
-        (particles.stress[p] - stress).squaredNorm()};
+    const double squared[] = {(particles.x[p] - particles.X[p] - now.displacement).squaredNorm(),
+                              (particles.v[p] - before.velocity).squaredNorm(),
+                              (particles.density(p) - density) * (particles.density(p) - density),
+                              (particles.stress[p] - stress).squaredNorm()};
     for (int f = 0; f < 4; ++f) {
       found[f].l2 += squared[f] * particles.volume(p);
       found[f].rms += squared[f];

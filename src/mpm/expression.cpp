@@ -40,8 +40,8 @@ double Expression::operator()(const Variables& at) const {
     throw std::invalid_argument("'" + parser_->formula + "': " + error.GetMsg());
   }
   if (!std::isfinite(value))
-    throw std::invalid_argument("'" + parser_->formula + "' is not finite at t = " +
-                                std::to_string(at[6]));
+    throw std::invalid_argument("'" + parser_->formula +
+                                "' is not finite at t = " + std::to_string(at[6]));
   return value;
 }
 

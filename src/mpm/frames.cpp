@@ -88,8 +88,7 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
     of_particles.add(field, components, column(count, components, get));
   };
   add("velocity", D, [&](std::size_t p) { return particles.v[p]; });
-  add("displacement", D,
-      [&](std::size_t p) { return Vector<D>(particles.x[p] - particles.X[p]); });
+  add("displacement", D, [&](std::size_t p) { return Vector<D>(particles.x[p] - particles.X[p]); });
   add("stress", stresses, [&](std::size_t p) { return upper_triangle<D>(particles.stress[p]); });
   add("density", 1, [&](std::size_t p) { return particles.density(p); });
   add("det_F", 1, [&](std::size_t p) { return particles.F[p].determinant(); });
@@ -109,13 +108,12 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
   if (!cells.fill.empty()) {
     FieldSet of_cells = fields_at(simulation.time(), simulation.steps());
     const auto row = [&](std::size_t c) { return cells.values.row(static_cast<Eigen::Index>(c)); };
-    of_cells.add("density", 1, column(cells.fill.size(), 1, [&](std::size_t c) {
-                   return double(row(c)[0]);
-                 }));
-    of_cells.add("stress", stresses, column(cells.fill.size(), stresses, [&](std::size_t c) {
-                   return Eigen::Matrix<double, stresses, 1>(
-                       row(c).segment(1, stresses).transpose());
-                 }));
+    of_cells.add("density", 1,
+                 column(cells.fill.size(), 1, [&](std::size_t c) { return double(row(c)[0]); }));
+    of_cells.add(
+        "stress", stresses, column(cells.fill.size(), stresses, [&](std::size_t c) {
+          return Eigen::Matrix<double, stresses, 1>(row(c).segment(1, stresses).transpose());
+        }));
     of_cells.add("fill", 1, cells.fill);
     add_reports(of_cells, cells.fill.size(), cells.fit, {});
     write_vti(folder / file_name(name, "cells", number, ".vti"), cell_centres(grid.nodes()),

@@ -48,7 +48,8 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
                         domain.shape(problem.grid, particles, p, shape);
                         const double m = particles.mass[p];
                         const Vector<D> momentum = m * particles.v[p];
-                        const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration);
+                        const Vector<D> now =
+                            particles.v[p] + half * shape.value(nodes.acceleration);
                         sum.mass += m;
                         add<D>(sum.momentum, momentum);
                         add_angular<D>(sum.angular, particles.x[p], momentum);
@@ -85,8 +86,10 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
 }
 
 std::string ledger_header() {
-  return "step,time,mass,node_mass,momentum_x,momentum_y,momentum_z,node_momentum_x,node_momentum_y,"
-         "node_momentum_z,angular_x,angular_y,angular_z,node_angular_x,node_angular_y,node_angular_z,"
+  return "step,time,mass,node_mass,momentum_x,momentum_y,momentum_z,node_momentum_x,node_momentum_"
+         "y,"
+         "node_momentum_z,angular_x,angular_y,angular_z,node_angular_x,node_angular_y,node_angular_"
+         "z,"
          "kinetic,node_kinetic,strain,total,interpolation_error,algorithmic_error";
 }
 

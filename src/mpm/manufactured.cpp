@@ -132,11 +132,12 @@ std::shared_ptr<const Manufactured<D>> make_manufactured(std::string_view name, 
   offer(Ring{});
   offer(Vortex{});
   if (!made)
-    recon::detail::throw_invalid("manufactured solution", name, suggest(name, manufactured_names()));
+    recon::detail::throw_invalid("manufactured solution", name,
+                                 suggest(name, manufactured_names()));
   return made;
 }
 
-#define RECON_INSTANTIATE(D)                                                             \
+#define RECON_INSTANTIATE(D)                                                                  \
   template std::shared_ptr<const Manufactured<D>> make_manufactured(std::string_view, double, \
                                                                     const NeoHookean&, double);
 RECON_INSTANTIATE(1)

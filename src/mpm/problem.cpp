@@ -52,8 +52,8 @@ void Problem<D>::validate() const {
             "place of a boundary", boundary.at, "must be a plane of nodes of the grid");
   }
   for (const Load<D>& load : loads)
-    require(load.particle < particles.size() && load.magnitude, "particle of a load",
-            load.particle, "must be one of the particles, with a magnitude");
+    require(load.particle < particles.size() && load.magnitude, "particle of a load", load.particle,
+            "must be one of the particles, with a magnitude");
   require(time.courant > 0 && std::isfinite(time.courant), "courant", time.courant,
           "must be positive and finite");
   require(time.rule != StepRule::fixed || (time.step > 0 && std::isfinite(time.step)), "step",

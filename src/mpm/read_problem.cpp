@@ -20,39 +20,38 @@ namespace {
 using Words = std::vector<std::string>;
 
 // What --set can name; the tables below ask for the same.
-const Words known_keys{
-    "title",
-    "threads",
-    "grid.lower",
-    "grid.upper",
-    "grid.cells",
-    "material.kind",
-    "material.young",
-    "material.poisson",
-    "material.density",
-    "manufactured.solution",
-    "manufactured.G",
-    "body.shape",
-    "body.particles",
-    "body.layout",
-    "body.jitter",
-    "body.angular",
-    "body.velocity",
-    "body.radius",
-    "body.inner",
-    "body.outer",
-    "body.centre",
-    "method.name",
-    "method.degree",
-    "method.momentum_correction",
-    "time.end",
-    "time.rule",
-    "time.courant",
-    "time.step",
-    "output.frames",
-    "output.ledger",
-    "loads.gravity",
-    "loads.body_force"};
+const Words known_keys{"title",
+                       "threads",
+                       "grid.lower",
+                       "grid.upper",
+                       "grid.cells",
+                       "material.kind",
+                       "material.young",
+                       "material.poisson",
+                       "material.density",
+                       "manufactured.solution",
+                       "manufactured.G",
+                       "body.shape",
+                       "body.particles",
+                       "body.layout",
+                       "body.jitter",
+                       "body.angular",
+                       "body.velocity",
+                       "body.radius",
+                       "body.inner",
+                       "body.outer",
+                       "body.centre",
+                       "method.name",
+                       "method.degree",
+                       "method.momentum_correction",
+                       "time.end",
+                       "time.rule",
+                       "time.courant",
+                       "time.step",
+                       "output.frames",
+                       "output.ledger",
+                       "loads.gravity",
+                       "loads.body_force"};
 
 template <int D>
 class Reader {
@@ -156,14 +155,13 @@ class Reader {
 
   // The material of `table`, or that of the whole file.
   Material material(const TomlTable& table, double& density) const {
-    const TomlTable keys = table.has("material") ? table.table("material") : file_.table("material");
+    const TomlTable keys =
+        table.has("material") ? table.table("material") : file_.table("material");
     Lame elastic;
     const double young = keys.number("young"), poisson = keys.number("poisson");
     checked(keys, "young", [&] { elastic = Lame::from(young, poisson); });
     density = keys.number("density");
-    checked(keys, "density", [&] {
-      require(density > 0, "density", density, "must be positive");
-    });
+    checked(keys, "density", [&] { require(density > 0, "density", density, "must be positive"); });
     const std::string kind = keys.choice("kind", Words{"neo_hookean", "linear_elastic"});
     keys.finish();
     if (kind == "neo_hookean") return NeoHookean{elastic};
@@ -229,7 +227,8 @@ class Reader {
       const double h = out_.problem.grid.h(), n = body.integer("particles", 2, 1, 100);
       const double around = body.number("angular", n * std::numbers::pi * (inner + outer));
       if (!(around > 0)) body.fail("angular", "must be positive");
-      fill_ring(centre, inner, outer, std::max(1, static_cast<int>(std::lround(n * (outer - inner) / h))),
+      fill_ring(centre, inner, outer,
+                std::max(1, static_cast<int>(std::lround(n * (outer - inner) / h))),
                 std::max(3, static_cast<int>(std::lround(around / h))), density, number,
                 out_.problem.particles);
     } else {
@@ -259,7 +258,8 @@ class Reader {
 
   void fill_from_file(const TomlTable& body, double density, int number) {
     const std::filesystem::path name = body.text("file");
-    const ParticleTable table = read_particles(name.is_absolute() ? name : path_.parent_path() / name);
+    const ParticleTable table =
+        read_particles(name.is_absolute() ? name : path_.parent_path() / name);
     const auto positions = table.positions(D);
     std::vector<double> volumes(table.size());
     if (body.has("volume"))
@@ -267,7 +267,8 @@ class Reader {
     else
       volumes = table.column("volume");
     for (std::size_t p = 0; p < table.size(); ++p) {
-      if (!(volumes[p] > 0)) body.fail("file", "volume of " + table.describe_row(p) + " must be positive");
+      if (!(volumes[p] > 0))
+        body.fail("file", "volume of " + table.describe_row(p) + " must be positive");
       Vector<D> X;
       for (int d = 0; d < D; ++d) X[d] = positions(p, d);
       out_.problem.particles.add(X, Matrix<D>::Identity() * (std::pow(volumes[p], 1.0 / D) / 2),
@@ -319,8 +320,7 @@ class Reader {
     const Words axes{"x", "y", "z"};
     for (const TomlTable& table : file_.tables("boundary")) {
       Boundary<D> boundary;
-      const std::string axis =
-          table.choice("axis", std::span(axes).subspan(0, D), true);
+      const std::string axis = table.choice("axis", std::span(axes).subspan(0, D), true);
       boundary.axis = axis[0] - 'x';
       boundary.at = table.number("at");
       const std::string kind = table.choice("kind", Words{"fixed", "roller", "velocity"}, true);
@@ -362,8 +362,7 @@ class Reader {
       load.direction = vector(table, "direction");
       load.magnitude = magnitude(table);
       for (std::size_t p = 1; p < problem.particles.size(); ++p)
-        if ((problem.particles.X[p] - at).norm() <
-            (problem.particles.X[load.particle] - at).norm())
+        if ((problem.particles.X[p] - at).norm() < (problem.particles.X[load.particle] - at).norm())
           load.particle = p;
       table.finish();
       problem.loads.push_back(load);
@@ -383,7 +382,8 @@ class Reader {
     const int body = table.integer("body", 1, 1, bodies) - 1;
     Words sides;
     for (int d = 0; d < D; ++d)
-      for (const char* end : {"_lower", "_upper"}) sides.push_back(std::string(1, static_cast<char>('x' + d)) + end);
+      for (const char* end : {"_lower", "_upper"})
+        sides.push_back(std::string(1, static_cast<char>('x' + d)) + end);
     sides.insert(sides.end(), {"inner", "outer"});
     const std::string side = table.choice("side", sides, true);
     std::function<Vector<D>(const Vector<D>&)> normal;
@@ -409,8 +409,7 @@ class Reader {
     const TomlTable keys = file_.table("time");
     time.end = keys.number("end");
     if (!(time.end > 0)) keys.fail("end", "must be positive");
-    const std::string rule =
-        keys.choice("rule", Words{"adaptive", "p_wave", "bar_wave", "fixed"});
+    const std::string rule = keys.choice("rule", Words{"adaptive", "p_wave", "bar_wave", "fixed"});
     time.rule = rule == "adaptive"   ? StepRule::adaptive
                 : rule == "p_wave"   ? StepRule::p_wave
                 : rule == "bar_wave" ? StepRule::bar_wave

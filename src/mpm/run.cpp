@@ -20,13 +20,15 @@ double step_towards(double end, double time, double dt) {
 // ledger.csv; a run that goes on keeps the rows before `first_step`.
 class LedgerFile {
  public:
-  LedgerFile(const std::filesystem::path& path, bool goes_on, std::int64_t first_step) : path_(path) {
+  LedgerFile(const std::filesystem::path& path, bool goes_on, std::int64_t first_step)
+      : path_(path) {
     std::string kept = ledger_header() + "\n";
     if (goes_on && std::filesystem::exists(path)) {
       std::ifstream before(path);
       std::string line;
       std::getline(before, line);
-      while (std::getline(before, line) && std::atoll(line.c_str()) < first_step) kept += line + "\n";
+      while (std::getline(before, line) && std::atoll(line.c_str()) < first_step)
+        kept += line + "\n";
     }
     AtomicFile file(path);
     file.write(kept);
@@ -74,7 +76,8 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   if (!goes_on && !options.overwrite)
     for (const auto& path : {ledger_path, checkpoint})
       if (std::filesystem::exists(path))
-        throw FileError(path, 0, "is of another run; go on with it, overwrite it, or choose another folder");
+        throw FileError(path, 0,
+                        "is of another run; go on with it, overwrite it, or choose another folder");
 
   Simulation<D> simulation(file.problem);
   RunState state;
@@ -97,8 +100,9 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   for (bool first = true;; first = false) {
     simulation.map();
     const bool done = simulation.time() >= end * (1 - 1e-14);
-    const Ledger now = account(simulation, first && from_start ? std::optional<Ledger>()
-                                                               : std::optional<Ledger>(state.start));
+    const Ledger now =
+        account(simulation,
+                first && from_start ? std::optional<Ledger>() : std::optional<Ledger>(state.start));
     if (first && from_start) state.start = now;
     if (first) result.first = now;
     result.last = now;
@@ -134,7 +138,7 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   return result;
 }
 
-#define RECON_INSTANTIATE(D)                                              \
+#define RECON_INSTANTIATE(D)                                        \
   template RunResult run(const ProblemFile<D>&, const RunOptions&); \
   template void run_until(Simulation<D>&, double, const std::function<void()>&);
 RECON_INSTANTIATE(1)

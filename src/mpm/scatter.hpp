@@ -1,8 +1,8 @@
 // Sums from particles into rows of a grid, on several threads, always in the same order.
 //
-// The rows of the last axis are cut into slabs that are thicker than any particle reaches. A particle
-// belongs to the slab of its first row, and touches that and the next: so all even slabs can go at
-// once, and then all odd ones, each in the order of its particles.
+// The rows of the last axis are cut into slabs that are thicker than any particle reaches. A
+// particle belongs to the slab of its first row, and touches that and the next: so all even slabs
+// can go at once, and then all odd ones, each in the order of its particles.
 #pragma once
 
 #include <algorithm>

@@ -17,8 +17,8 @@ constexpr double lightest_node = 1e-10;  // of the heaviest
 }  // namespace
 
 Failure::Failure(std::int64_t step, std::size_t particle, const std::string& what)
-    : std::runtime_error("step " + std::to_string(step) + ", particle " +
-                         std::to_string(particle) + ": " + what),
+    : std::runtime_error("step " + std::to_string(step) + ", particle " + std::to_string(particle) +
+                         ": " + what),
       step_(step),
       particle_(particle) {}
 
@@ -55,8 +55,7 @@ template <int D>
 void Simulation<D>::map() {
   const Particles<D>& particles = problem_.particles;
   acceleration_.assign(problem_.body_force ? particles.size() : 0, Vector<D>::Zero());
-  if (problem_.body_force)
-    problem_.body_force(particles, time_, problem_.threads, acceleration_);
+  if (problem_.body_force) problem_.body_force(particles, time_, problem_.threads, acceleration_);
 
   const std::size_t count = problem_.grid.size();
   nodes_.mass.assign(count, 0);
@@ -95,11 +94,11 @@ void Simulation<D>::scatter(DomainPolicy domain) {
   };
   scatter_by_slabs<ShapeFunctions<D>>(
       particles.size(), problem_.threads, rows, [&](std::size_t p, ShapeFunctions<D>& shape) {
-        domain.shape(grid, particles, p, shape);
+        const double volume = domain.shape(grid, particles, p, shape);
         const double mass = particles.mass[p];
         const Vector<D> momentum = mass * particles.v[p];
         if (particle_quadrature) {
-          const Matrix<D> pull = -domain.volume(particles, p) * particles.stress[p];
+          const Matrix<D> pull = -volume * particles.stress[p];
           const Vector<D> push =
               acceleration_.empty() ? Vector<D>::Zero() : Vector<D>(mass * acceleration_[p]);
           for (std::size_t k = 0; k < shape.size(); ++k) {
@@ -155,8 +154,8 @@ template <int D>
 void Simulation<D>::hold_boundaries() {
   const Grid<D>& grid = problem_.grid;
   for (const Boundary<D>& boundary : problem_.boundaries) {
-    const auto plane =
-        static_cast<std::size_t>(std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
+    const auto plane = static_cast<std::size_t>(
+        std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
     for (std::size_t i = 0; i < grid.size(); ++i) {
       if (grid.nodes().index(i)[boundary.axis] != plane) continue;
       for (int d = 0; d < D; ++d) {
@@ -186,39 +185,39 @@ template <class DomainPolicy>
 void Simulation<D>::gather(DomainPolicy domain, double dt, double kick) {
   Particles<D>& particles = problem_.particles;
   const Grid<D>& grid = problem_.grid;
-  parallel_blocks(
-      particles.size(), particles_per_block, problem_.threads,
-      [&](std::size_t begin, std::size_t end) {
-        ShapeFunctions<D> shape;
-        for (std::size_t p = begin; p < end; ++p) {
-          domain.shape(grid, particles, p, shape);
-          const Matrix<D> L = shape.gradient(nodes_.velocity);
-          const Matrix<D> F = (Matrix<D>::Identity() + dt * L) * particles.F[p];
-          const Vector<D> x = particles.x[p] + dt * shape.value(nodes_.velocity);
-          if (!(F.determinant() > 0))
-            throw Failure(steps_, p, "its volume is no longer positive (det F = " +
-                                         recon::detail::to_text(F.determinant()) + ")");
-          if (!x.allFinite()) throw Failure(steps_, p, "its position is not finite");
-          if (!grid.contains(x)) {
-            std::string at;
-            for (int d = 0; d < D; ++d)
-              at += (d ? ", " : "") + recon::detail::to_text(x[d]);
-            throw Failure(steps_, p, "it left the grid at (" + at + ")");
-          }
-          particles.v[p] += kick * shape.value(nodes_.acceleration);
-          particles.x[p] = x;
-          particles.F[p] = F;
-          particles.L[p] = L;
-          std::visit(
-              [&](const auto& material) {
-                double density = particles.energy[p] / particles.volume0[p];
-                material.update(F, L, dt, particles.stress[p], density);
-                particles.energy[p] = density * particles.volume0[p];
-              },
-              problem_.materials[particles.body[p]]);
-          domain.move(grid, particles, p, nodes_.velocity, dt);
-        }
-      });
+  parallel_blocks(particles.size(), particles_per_block, problem_.threads,
+                  [&](std::size_t begin, std::size_t end) {
+                    ShapeFunctions<D> shape;
+                    for (std::size_t p = begin; p < end; ++p) {
+                      domain.shape(grid, particles, p, shape);
+                      const Matrix<D> L = shape.gradient(nodes_.velocity);
+                      const Matrix<D> F = (Matrix<D>::Identity() + dt * L) * particles.F[p];
+                      const Vector<D> x = particles.x[p] + dt * shape.value(nodes_.velocity);
+                      if (!(F.determinant() > 0))
+                        throw Failure(steps_, p,
+                                      "its volume is no longer positive (det F = " +
+                                          recon::detail::to_text(F.determinant()) + ")");
+                      if (!x.allFinite()) throw Failure(steps_, p, "its position is not finite");
+                      if (!grid.contains(x)) {
+                        std::string at;
+                        for (int d = 0; d < D; ++d)
+                          at += (d ? ", " : "") + recon::detail::to_text(x[d]);
+                        throw Failure(steps_, p, "it left the grid at (" + at + ")");
+                      }
+                      particles.v[p] += kick * shape.value(nodes_.acceleration);
+                      particles.x[p] = x;
+                      particles.F[p] = F;
+                      particles.L[p] = L;
+                      std::visit(
+                          [&](const auto& material) {
+                            double density = particles.energy[p] / particles.volume0[p];
+                            material.update(F, L, dt, particles.stress[p], density);
+                            particles.energy[p] = density * particles.volume0[p];
+                          },
+                          problem_.materials[particles.body[p]]);
+                      domain.move(grid, particles, p, nodes_.velocity, dt);
+                    }
+                  });
 }
 
 template <int D>

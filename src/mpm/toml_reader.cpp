@@ -24,8 +24,8 @@ toml::table parse_setting(const std::string& key, const std::string& value) {
     try {
       return toml::parse("value = '" + value + "'");
     } catch (const toml::parse_error& error) {
-      throw FileError("--set " + key, 0, "'" + value + "' is no value: " +
-                                             std::string(error.description()));
+      throw FileError("--set " + key, 0,
+                      "'" + value + "' is no value: " + std::string(error.description()));
     }
   }
 }
@@ -73,8 +73,7 @@ void apply(toml::table& root, const std::string& setting, std::span<const std::s
 }  // namespace
 
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
-                       std::span<const std::string> settings,
-                       std::span<const std::string> known) {
+                       std::span<const std::string> settings, std::span<const std::string> known) {
   toml::table root;
   try {
     root = toml::parse(text);
@@ -113,8 +112,7 @@ const toml::node& TomlTable::require(std::string_view key) const {
 double TomlTable::number(std::string_view key) const {
   const toml::node& node = require(key);
   const auto value = node.value<double>();
-  if (!value || node.is_boolean())
-    fail(key, "a number is needed, not a " + kind_of(node));
+  if (!value || node.is_boolean()) fail(key, "a number is needed, not a " + kind_of(node));
   if (!std::isfinite(*value)) fail(key, "must be finite");
   return *value;
 }
@@ -183,8 +181,7 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count) 
 TomlTable TomlTable::table(std::string_view key) const {
   static const toml::table empty;
   const toml::node* node = find(key);
-  if (node && !node->is_table())
-    fail(key, "is a table: write [" + full(key) + "]");
+  if (node && !node->is_table()) fail(key, "is a table: write [" + full(key) + "]");
   return {*file_, full(key), node ? *node->as_table() : empty};
 }
 

@@ -10,9 +10,7 @@ namespace {
 
 std::vector<ConvergenceRow> study(const std::string& file, const ConvergenceStudy& study) {
   return converge(
-      [&](std::span<const std::string> settings) {
-        return read_problem(example(file), settings);
-      },
+      [&](std::span<const std::string> settings) { return read_problem(example(file), settings); },
       study);
 }
 
@@ -27,8 +25,8 @@ double finest_order(const std::vector<ConvergenceRow>& rows, const std::string& 
   return order;
 }
 
-// Second order in displacement and velocity for the improved methods, where the original one does not
-// converge (Gong 2015, figures 4.8, 5.6, 6.4; Tran et al. 2019, figures 10, 12).
+// Second order in displacement and velocity for the improved methods, where the original one does
+// not converge (Gong 2015, figures 4.8, 5.6, 6.4; Tran et al. 2019, figures 10, 12).
 void expect_orders(const std::string& file, std::vector<int> cells) {
   const ConvergenceStudy asked{{"mpm", "impm", "improved_cpdi", "cpls"}, cells, {0.375, 1}};
   const auto rows = study(file, asked);
@@ -43,10 +41,15 @@ void expect_orders(const std::string& file, std::vector<int> cells) {
             << file << " " << field << " " << norm << " at " << part << " T";
       }
 }
-TEST(Convergence, LargeDeformationIn1D) { expect_orders("vibration_1d.toml", {64, 128}); }
-TEST(Convergence, LargeDeformationIn2D) { expect_orders("vibration_2d.toml", {32, 64}); }
+TEST(Convergence, LargeDeformationIn1D) {
+  expect_orders("vibration_1d.toml", {64, 128});
+}
+TEST(Convergence, LargeDeformationIn2D) {
+  expect_orders("vibration_2d.toml", {32, 64});
+}
 
-// All methods are of second order in displacement where nothing crosses a cell (Gong 2015, figure 4.7).
+// All methods are of second order in displacement where nothing crosses a cell (Gong 2015,
+// figure 4.7).
 TEST(Convergence, SmallDeformation) {
   ConvergenceStudy asked;
   for (const Method& method : methods()) asked.methods.push_back(method.name);

@@ -15,8 +15,8 @@ class Domains : public testing::Test {};
 TYPED_TEST_SUITE(Domains, AllDimensions);
 
 template <int D, class Policy>
-void expect_linear_completeness(Policy policy, const Particles<D>& particles,
-                                const Grid<D>& grid, const char* name) {
+void expect_linear_completeness(Policy policy, const Particles<D>& particles, const Grid<D>& grid,
+                                const char* name) {
   for (std::size_t p = 0; p < particles.size(); ++p) {
     ShapeFunctions<D> shape;
     policy.shape(grid, particles, p, shape);
@@ -78,14 +78,13 @@ TYPED_TEST(Domains, Cpdi2OfAParallelepipedIsCpdi1) {
   ShapeFunctions<D> one, two;
   for (std::size_t p = 0; p < particles.size(); ++p) {
     Cpdi1::shape(grid, particles, p, one);
-    Cpdi2::shape(grid, particles, p, two);
+    const double volume = Cpdi2::shape(grid, particles, p, two);
     ASSERT_EQ(one.size(), two.size());
     for (std::size_t k = 0; k < one.size(); ++k) {
       EXPECT_NEAR(one.S[k], two.S[k], rounding);
       EXPECT_LE((one.G[k] - two.G[k]).norm(), 1000 * rounding);
     }
-    EXPECT_NEAR(Cpdi2::volume(particles, p), particles.volume(p),
-                rounding * particles.volume(p) * 100);
+    EXPECT_NEAR(volume, particles.volume(p), rounding * particles.volume(p) * 100);
   }
 }
 

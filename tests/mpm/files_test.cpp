@@ -128,11 +128,12 @@ TEST_F(MpmFiles, MistakesNameFileLineKeyAndChoices) {
 }
 
 TEST_F(MpmFiles, SettingsReplaceValues) {
-  EXPECT_EQ(message(good, {"cells=20", "method.name=mpm", "particles=3", "momentum_correction=true"}),
-            "");
-  const auto file = std::get<ProblemFile<2>>(read_problem(
-      folder_ / "p.toml",
-      std::vector<std::string>{"cells=20", "name=impm", "particles=3", "threads=2"}));
+  EXPECT_EQ(
+      message(good, {"cells=20", "method.name=mpm", "particles=3", "momentum_correction=true"}),
+      "");
+  const auto file = std::get<ProblemFile<2>>(
+      read_problem(folder_ / "p.toml",
+                   std::vector<std::string>{"cells=20", "name=impm", "particles=3", "threads=2"}));
   EXPECT_EQ(file.problem.method.name, "impm");
   EXPECT_EQ(file.problem.threads, 2);
   EXPECT_EQ(file.problem.particles.size(), 144u);
@@ -143,7 +144,8 @@ TEST_F(MpmFiles, SettingsReplaceValues) {
 
 TEST_F(MpmFiles, BodiesOfAllShapes) {
   const auto count = [&](const std::string& body) {
-    const std::string what = message(with("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]", body));
+    const std::string what =
+        message(with("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]", body));
     EXPECT_EQ(what, "") << body;
     const auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
     double volume = 0;
@@ -152,12 +154,14 @@ TEST_F(MpmFiles, BodiesOfAllShapes) {
   };
   EXPECT_NEAR(count("shape = \"disk\"\ncentre = [0.5, 0.5]\nradius = 0.4\nparticles = 8"),
               M_PI * 0.16, 0.002);
-  EXPECT_NEAR(count("shape = \"ring\"\nlayout = \"polar\"\ncentre = [0.5, 0.5]\ninner = 0.2\nouter = 0.4"),
-              M_PI * 0.12, 1e-12);
-  EXPECT_NEAR(count("shape = \"polygon\"\nwkt = \"POLYGON((0 0, 1 0, 0 1, 0 0))\"\nparticles = 8"), 0.5,
-              0.01);
-  EXPECT_NEAR(count("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]\nlayout = \"jittered\""), 0.04,
-              1e-12);
+  EXPECT_NEAR(
+      count("shape = \"ring\"\nlayout = \"polar\"\ncentre = [0.5, 0.5]\ninner = 0.2\nouter = 0.4"),
+      M_PI * 0.12, 1e-12);
+  EXPECT_NEAR(count("shape = \"polygon\"\nwkt = \"POLYGON((0 0, 1 0, 0 1, 0 0))\"\nparticles = 8"),
+              0.5, 0.01);
+  EXPECT_NEAR(
+      count("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]\nlayout = \"jittered\""), 0.04,
+      1e-12);
   std::ofstream(folder_ / "grains.csv") << "x,y,volume\n0.5,0.5,0.01\n0.6,0.5,0.02\n";
   EXPECT_NEAR(count("shape = \"file\"\nfile = \"grains.csv\""), 0.03, 1e-12);
   EXPECT_THAT(message(with("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]",
@@ -189,7 +193,8 @@ TEST_F(MpmFiles, RestartIsExact) {
     auto file = read_example<2>("disks.toml", {"name=" + method.name, "cells=10", "frames=4"});
     for (auto& v : file.problem.particles.v) v *= 8;
     file.problem.time.end = 0.6;
-    const auto whole = folder_ / (method.name + "_whole"), parts = folder_ / (method.name + "_parts");
+    const auto whole = folder_ / (method.name + "_whole"),
+               parts = folder_ / (method.name + "_parts");
     run(file, {.folder = whole, .name = "d"});
 
     struct Stop {};
@@ -247,7 +252,8 @@ TEST_F(MpmFiles, WrongCheckpointsAreAnswered) {
   other.method = method_named("impm");
   EXPECT_THAT(what(Simulation<2>(other), checkpoint), HasSubstr("of the method 'mpm'"));
   EXPECT_THAT(what(Simulation<1>(block<1>(10, 0.2, 0.4)), checkpoint), HasSubstr("2 dimensions"));
-  EXPECT_THAT(what(Simulation<2>(block<2>(10, 0.2, 0.4)), checkpoint), HasSubstr("the problem needs"));
+  EXPECT_THAT(what(Simulation<2>(block<2>(10, 0.2, 0.4)), checkpoint),
+              HasSubstr("the problem needs"));
   EXPECT_THAT(what(Simulation<2>(file.problem), folder_ / "none.h5"), HasSubstr("no such file"));
   std::ofstream(folder_ / "text.h5") << "not HDF5";
   EXPECT_THAT(what(Simulation<2>(file.problem), folder_ / "text.h5"), HasSubstr("no HDF5 file"));

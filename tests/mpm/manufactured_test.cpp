@@ -38,7 +38,8 @@ void expect_balance(const std::string& name, const NeoHookean& material, double 
                  down = exact->at(X - dx * Vector<D>::Unit(d), t);
       F.col(d) += (up.displacement - down.displacement) / (2 * dx);
       rate.col(d) = (up.velocity - down.velocity) / (2 * dx);
-      divergence += (first_piola<D>(material, up.F) - first_piola<D>(material, down.F)).col(d) / (2 * dx);
+      divergence +=
+          (first_piola<D>(material, up.F) - first_piola<D>(material, down.F)).col(d) / (2 * dx);
     }
     const double speed = G / exact->period(), size = speed / exact->period() * 40;
     EXPECT_LE((velocity - now.velocity).norm(), 1e-4 * speed * 10) << name;
@@ -77,15 +78,16 @@ TEST(Manufactured, VibrationHasTheSourcesBodyForce) {
   }
 }
 
-// Tran et al. 2019, eq. 51 with pi^2 for pi, and the time's factor of one pi: the printed form holds
-// in 1-D.
+// Tran et al. 2019, eq. 51 with pi^2 for pi, and the time's factor of one pi: the printed form
+// holds in 1-D.
 TEST(Manufactured, AxisVibrationHasTheSourcesBodyForce) {
   const auto exact = make_manufactured<1>("axis_vibration", 0.1, steel, density);
   const double c2 = 1e7 / density, lambda = steel.lambda, mu = steel.mu, t = 0.0037, X = 0.21;
   const double u = 0.1 * std::sin(2 * pi * X) * std::sin(std::sqrt(c2) * pi * t);
   const double F = 1 + 0.2 * pi * std::cos(2 * pi * X) * std::sin(std::sqrt(c2) * pi * t);
-  const double b = pi * pi * u *
-                   (4 * mu / density - c2 - 4 * (lambda * (std::log(F) - 1) - mu) / (density * F * F));
+  const double b =
+      pi * pi * u *
+      (4 * mu / density - c2 - 4 * (lambda * (std::log(F) - 1) - mu) / (density * F * F));
   EXPECT_NEAR(exact->at(Vector<1>(X), t).body_force[0], b, 1e-10 * std::abs(b));
 }
 
@@ -99,11 +101,12 @@ TEST(Manufactured, VortexHasTheSourcesBodyForce) {
       const double t = 0.37, s = std::sin(c * pi * t), k = std::cos(c * pi * t);
       const double p = (4 * R - 5) * (4 * R - 3);
       const double turn = A * s * (1 - 32 * std::pow(R - 1, 2) + 256 * std::pow(R - 1, 4));
-      const double b_r = R * A * A * p * p *
-                         (-c * c * pi * pi * k * k * p * p +
-                          4096 * mu / density * std::pow(R - 1, 2) * s * s);
-      const double b_t = -A * s * (R * c * c * pi * pi * p * p +
-                                   64 * mu / density * (96 * R * R * R - 240 * R * R + 188 * R - 45));
+      const double b_r =
+          R * A * A * p * p *
+          (-c * c * pi * pi * k * k * p * p + 4096 * mu / density * std::pow(R - 1, 2) * s * s);
+      const double b_t = -A * s *
+                         (R * c * c * pi * pi * p * p +
+                          64 * mu / density * (96 * R * R * R - 240 * R * R + 188 * R - 45));
       const double beta = angle + turn;
       const Vector<2> b(b_r * std::cos(beta) - b_t * std::sin(beta),
                         b_r * std::sin(beta) + b_t * std::cos(beta));

@@ -41,7 +41,8 @@ TYPED_TEST(Materials, SmallStrainIsHookes) {
   std::mt19937 random(4);
   const Matrix<D> rate = random_deformation<D>(random, 1) - Matrix<D>::Identity();
   const Matrix<D> e = 1e-6 * (rate + rate.transpose()) / 2;
-  const Matrix<D> expected = elastic.lambda * e.trace() * Matrix<D>::Identity() + 2 * elastic.mu * e;
+  const Matrix<D> expected =
+      elastic.lambda * e.trace() * Matrix<D>::Identity() + 2 * elastic.mu * e;
   Matrix<D> F = Matrix<D>::Identity(), hypo = Matrix<D>::Zero(), hyper;
   double hypo_energy = 0, hyper_energy = 0;
   for (int step = 0; step < 100; ++step) {

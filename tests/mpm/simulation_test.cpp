@@ -56,7 +56,9 @@ TEST_P(EveryMethod, RigidFlight) {
   expect_rigid_flight<1>(GetParam());
   expect_rigid_flight<2>(GetParam());
 }
-TEST_P(EveryMethod, RigidFlightIn3D) { expect_rigid_flight<3>(GetParam()); }
+TEST_P(EveryMethod, RigidFlightIn3D) {
+  expect_rigid_flight<3>(GetParam());
+}
 
 // Two blocks collide in free flight.
 Problem<2> collision(const std::string& method) {

@@ -49,8 +49,7 @@ Problem<D> block(int cells, double lower, double upper, const std::string& metho
   for (int d = 0; d < D; ++d) all *= count;
   for (int i = 0; i < all; ++i) {
     Vector<D> X;
-    for (int d = 0, rest = i; d < D; ++d, rest /= count)
-      X[d] = lower + (rest % count + 0.5) * edge;
+    for (int d = 0, rest = i; d < D; ++d, rest /= count) X[d] = lower + (rest % count + 0.5) * edge;
     problem.particles.add(X, Matrix<D>::Identity() * (edge / 2), 1000, 0);
   }
   return problem;

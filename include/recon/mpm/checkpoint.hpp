@@ -2,8 +2,8 @@
 //
 // HDF5: one data set per quantity (X, x, v, F, L, stress, half_edges, mass, volume0, energy, body,
 // corners of CPDI2; a row per particle, matrices by columns), frame_times, and attributes time,
-// steps, last_dt, dimension, method. Written whole or not at all. What does not change in a run (grid, materials,
-// loads) stays in the problem file; a restart is given both.
+// steps, last_dt, dimension, method. Written whole or not at all. What does not change in a run
+// (grid, materials, loads) stays in the problem file; a restart is given both.
 #pragma once
 
 #include <filesystem>

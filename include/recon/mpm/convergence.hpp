@@ -19,8 +19,8 @@ struct ConvergenceStudy {
 };
 
 // One number: a field of a method at a time on a grid. order = log(error_before / error) /
-// log(h_before / h) against the grid before it, NaN for the first. A run that failed before the time
-// has NaN and its reason.
+// log(h_before / h) against the grid before it, NaN for the first. A run that failed before the
+// time has NaN and its reason.
 struct ConvergenceRow {
   std::string method;
   int cells = 0;
@@ -30,8 +30,8 @@ struct ConvergenceRow {
   std::string failure;
 };
 
-// load(settings) reads the problem with "method.name=..." and "grid.cells=..." set. Told before every
-// run: its method and cells. Rows are sorted by method, time, field, norm, cells.
+// load(settings) reads the problem with "method.name=..." and "grid.cells=..." set. Told before
+// every run: its method and cells. Rows are sorted by method, time, field, norm, cells.
 using LoadProblem = std::function<AnyProblem(std::span<const std::string> settings)>;
 std::vector<ConvergenceRow> converge(
     const LoadProblem& load, const ConvergenceStudy& study,

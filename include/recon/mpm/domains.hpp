@@ -5,12 +5,13 @@
 //   PointDomain   N_i(x_p), the original material point method (Sulsky, Chen, Schreyer 1994)
 //   UniformGimp   a box about x_p that keeps its reference edges (Gong 2015, eq. 6.19)
 //   StretchedGimp the same, edges stretched by the diagonal of F (cpGIMP)
-//   Cpdi1         a parallelepiped carried by F, N_i interpolated between its corners (eq. 6.21-6.27)
-//   Cpdi2         corners that move with the grid, quadrilaterals and hexahedra (eq. 6.28-6.32)
+//   Cpdi1         a parallelepiped carried by F, N_i interpolated between its corners
+//   (eq. 6.21-6.27) Cpdi2         corners that move with the grid, quadrilaterals and hexahedra
+//   (eq. 6.28-6.32)
 //
 // sum_i S_ip = 1, sum_i G_ip = 0, and linear fields are interpolated exactly. A policy is an empty
-// struct: shape() writes S and G, volume() is the domain's volume, reach() how far it goes from x_p
-// along an axis, and move() takes what the domain itself remembers through a step.
+// struct: shape() writes S and G and gives back the particle's volume, reach() is how far the
+// domain goes from x_p along an axis, and move() takes what it remembers through a step.
 #pragma once
 
 #include <span>
@@ -186,17 +187,14 @@ void from_corners(const Grid<D>& grid, const typename Particles<D>::Corners& cor
 
 struct PointDomain {
   template <int D>
-  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
-                    ShapeFunctions<D>& out) {
+  static double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                      ShapeFunctions<D>& out) {
     std::array<detail::AxisShape, D> axes;
     for (int d = 0; d < D; ++d) {
       const double x = particles.x[p][d];
       axes[d] = detail::linear_at(x, grid.lower()[d], grid.h(), grid.cell(x, d));
     }
     detail::tensor_product<D>(grid, axes, out);
-  }
-  template <int D>
-  static double volume(const Particles<D>& particles, std::size_t p) {
     return particles.volume(p);
   }
   template <int D>
@@ -216,12 +214,13 @@ struct Gimp : PointDomain {
     return stretched ? l * std::abs(particles.F[p](d, d)) : l;
   }
   template <int D>
-  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
-                    ShapeFunctions<D>& out) {
+  static double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                      ShapeFunctions<D>& out) {
     std::array<detail::AxisShape, D> axes;
     for (int d = 0; d < D; ++d)
       axes[d] = detail::average(grid, d, particles.x[p][d], reach(particles, p, d));
     detail::tensor_product<D>(grid, axes, out);
+    return particles.volume(p);
   }
 };
 using UniformGimp = Gimp<false>;
@@ -235,8 +234,8 @@ struct Cpdi1 : PointDomain {
   // With x = x_p + H xi, xi in [-1, 1]^D: a corner's function has the average 1 / 2^D, its gradient
   // H^-T s / 2^D, s the signs of the corner.
   template <int D>
-  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
-                    ShapeFunctions<D>& out) {
+  static double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                      ShapeFunctions<D>& out) {
     constexpr int corner_count = 1 << D;
     const Matrix<D> turned = (particles.F[p] * particles.half_edges[p]).inverse() / corner_count;
     std::array<double, corner_count> weight;
@@ -248,6 +247,7 @@ struct Cpdi1 : PointDomain {
       slope[a] = turned.transpose() * sign;
     }
     detail::from_corners<D>(grid, particles.domain(p), weight, slope, out);
+    return particles.volume(p);
   }
 };
 
@@ -272,26 +272,14 @@ struct Cpdi2 {
       constexpr int count = 1 << D;
       slope.fill(Vector<D>::Zero());
       for (int g = 0; g < count; ++g) {
-        std::array<double, count> N;
-        std::array<Vector<D>, count> local;
         Matrix<D> J = Matrix<D>::Zero();
-        for (int a = 0; a < count; ++a) {
-          N[a] = 1;
-          local[a] = Vector<D>::Ones();
-          for (int d = 0; d < D; ++d) {
-            const double xi = (g >> d & 1 ? 1 : -1) / std::sqrt(3.0), sign = a >> d & 1 ? 1 : -1;
-            const double value = (1 + sign * xi) / 2;
-            N[a] *= value;
-            for (int e = 0; e < D; ++e) local[a][e] *= e == d ? sign / 2 : value;
-          }
-          J += corners[a] * local[a].transpose();
-        }
+        for (int a = 0; a < count; ++a) J += corners[a] * gauss().local[g][a].transpose();
         const double part = J.determinant();
         const Matrix<D> turned = J.inverse().transpose() * part;
         volume += part;
         for (int a = 0; a < count; ++a) {
-          weight[a] += part * N[a];
-          slope[a] += turned * local[a];
+          weight[a] += part * gauss().N[g][a];
+          slope[a] += turned * gauss().local[g][a];
         }
       }
       for (int a = 0; a < count; ++a) {
@@ -299,17 +287,37 @@ struct Cpdi2 {
         slope[a] /= volume;
       }
     }
+
+   private:
+    // Of corner a at point g: its function, and the gradient of that in [-1, 1]^D.
+    struct Gauss {
+      double N[1 << D][1 << D];
+      Vector<D> local[1 << D][1 << D];
+      Gauss() {
+        for (int g = 0; g < 1 << D; ++g)
+          for (int a = 0; a < 1 << D; ++a) {
+            N[g][a] = 1;
+            local[g][a].setOnes();
+            for (int d = 0; d < D; ++d) {
+              const double xi = (g >> d & 1 ? 1 : -1) / std::sqrt(3.0), sign = a >> d & 1 ? 1 : -1;
+              N[g][a] *= (1 + sign * xi) / 2;
+              for (int e = 0; e < D; ++e) local[g][a][e] *= e == d ? sign / 2 : (1 + sign * xi) / 2;
+            }
+          }
+      }
+    };
+    static const Gauss& gauss() {
+      static const Gauss made;
+      return made;
+    }
   };
 
   template <int D>
-  static void shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
-                    ShapeFunctions<D>& out) {
+  static double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
+                      ShapeFunctions<D>& out) {
     const Cell<D> cell(particles.corners[p]);
     detail::from_corners<D>(grid, particles.corners[p], cell.weight, cell.slope, out);
-  }
-  template <int D>
-  static double volume(const Particles<D>& particles, std::size_t p) {
-    return Cell<D>(particles.corners[p]).volume;
+    return cell.volume;
   }
   // Corners move with the grid; the particle is their centroid.
   template <int D, class Velocity>
@@ -325,8 +333,7 @@ struct Cpdi2 {
     }
     const Cell<D> cell(particles.corners[p]);
     particles.x[p].setZero();
-    for (int a = 0; a < (1 << D); ++a)
-      particles.x[p] += cell.weight[a] * particles.corners[p][a];
+    for (int a = 0; a < (1 << D); ++a) particles.x[p] += cell.weight[a] * particles.corners[p][a];
   }
 };
 

@@ -4,7 +4,8 @@
 // before. Momenta are those of the half step itself, before boundaries act:
 //     momentum       sum_p m_p v_p          node_momentum  sum_i m_i v_i
 //     angular        sum_p m_p x_p x v_p    node_angular   sum_i m_i x_i x v_i   about the origin
-// The differences are the defect of the velocity map. Energies (Andersen, Andersen 2007, eq. 25-32):
+// The differences are the defect of the velocity map. Energies (Andersen, Andersen 2007, eq.
+// 25-32):
 //     kinetic        sum_p m_p v_p^2 / 2    node_kinetic   sum_i m_i v_i^2 / 2
 //     strain         the integral of the strain energy (not sigma : epsilon / 2, which misses 13 %
 //                    at an amplitude of 0.1)

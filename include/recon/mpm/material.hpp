@@ -53,8 +53,8 @@ struct LinearElastic : Lame {
               double& energy) const {
     const Matrix<D> d = (L + L.transpose()) / 2, w = (L - L.transpose()) / 2;
     const Matrix<D> before = stress;
-    stress += dt * (lambda * d.trace() * Matrix<D>::Identity() + 2 * mu * d + w * before -
-                    before * w);
+    stress +=
+        dt * (lambda * d.trace() * Matrix<D>::Identity() + 2 * mu * d + w * before - before * w);
     energy += dt * F.determinant() * ((before + stress) / 2).cwiseProduct(d).sum();
   }
 };

@@ -1,8 +1,8 @@
 // A method is a choice of policies; every method of the literature is one row of a table.
 //
 // Sources: Sulsky, Chen, Schreyer 1994 (mpm); Bardenhagen, Kober 2004 (ugimp, cpgimp); Sadeghirad,
-// Brannon, Burghardt 2011 and Sadeghirad, Brannon, Guilkey 2013 (cpdi1, cpdi2); Gong 2015 (impm ch. 5,
-// improved_cpdi sec. 6.6); Tran, Solowski, Berzins, Guilkey 2019 (imls_mpm, cpls).
+// Brannon, Burghardt 2011 and Sadeghirad, Brannon, Guilkey 2013 (cpdi1, cpdi2); Gong 2015 (impm ch.
+// 5, improved_cpdi sec. 6.6); Tran, Solowski, Berzins, Guilkey 2019 (imls_mpm, cpls).
 #pragma once
 
 #include <span>
@@ -19,7 +19,8 @@ enum class Domain { point, ugimp, cpgimp, cpdi1, cpdi2 };
 //   mass_weighted  sum_p S_ip m_p v_p / m_i, which is Shepard's with the weight m_p S_ip
 //   mls            moving least squares, tensor cubic B-spline of support 2 h, moments on the grid
 //   imls           the same by graded Gram-Schmidt with neighbour lists
-//   cpls           imls from particles and the corners of their domains, v_c = v_p + L_p (x_c - x_p)
+//   cpls           imls from particles and the corners of their domains, v_c = v_p + L_p (x_c -
+//   x_p)
 enum class VelocityMap { mass_weighted, mls, imls, cpls };
 
 // Mass and forces of the nodes:

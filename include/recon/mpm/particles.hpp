@@ -1,9 +1,9 @@
 // What the particles of all bodies carry from step to step.
 //
-// A particle is a piece of material with reference volume `volume0` and mass `mass`. Its domain is a
-// parallelepiped about x with half edges F * half_edges (columns; Gong 2015, eq. 6.21); CPDI2 tracks
-// the corners themselves. Corner number a of a domain lies on the positive side of half edge d where
-// bit d of a is set.
+// A particle is a piece of material with reference volume `volume0` and mass `mass`. Its domain is
+// a parallelepiped about x with half edges F * half_edges (columns; Gong 2015, eq. 6.21); CPDI2
+// tracks the corners themselves. Corner number a of a domain lies on the positive side of half edge
+// d where bit d of a is set.
 #pragma once
 
 #include <Eigen/LU>
@@ -20,16 +20,16 @@ struct Particles {
   static constexpr int corner_count = 1 << D;
   using Corners = std::array<Vector<D>, corner_count>;
 
-  std::vector<Vector<D>> X, x;          // reference and current position, length
-  std::vector<Vector<D>> v;             // velocity half a step before the current time, length / time
-  std::vector<Matrix<D>> F;             // deformation gradient dx / dX
-  std::vector<Matrix<D>> L;             // velocity gradient d v_i / d x_j, 1 / time
-  std::vector<Matrix<D>> stress;        // Cauchy stress, force / area
-  std::vector<Matrix<D>> half_edges;    // of the reference domain
+  std::vector<Vector<D>> X, x;        // reference and current position, length
+  std::vector<Vector<D>> v;           // velocity half a step before the current time, length / time
+  std::vector<Matrix<D>> F;           // deformation gradient dx / dX
+  std::vector<Matrix<D>> L;           // velocity gradient d v_i / d x_j, 1 / time
+  std::vector<Matrix<D>> stress;      // Cauchy stress, force / area
+  std::vector<Matrix<D>> half_edges;  // of the reference domain
   std::vector<double> mass, volume0;
-  std::vector<double> energy;           // strain energy of the particle
-  std::vector<std::int32_t> body;       // number of its body
-  std::vector<Corners> corners;         // of CPDI2 only, else empty
+  std::vector<double> energy;      // strain energy of the particle
+  std::vector<std::int32_t> body;  // number of its body
+  std::vector<Corners> corners;    // of CPDI2 only, else empty
 
   std::size_t size() const { return x.size(); }
   double volume(std::size_t p) const { return F[p].determinant() * volume0[p]; }

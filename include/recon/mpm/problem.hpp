@@ -31,9 +31,9 @@ struct Boundary {
   std::array<std::optional<double>, D> velocity{};
 };
 
-// A force on one particle. With `area` N A0 (reference normal times reference area), `magnitude` is a
-// pressure p and follows the surface: f = -p det F F^-T N A0. Without, the force is
-// magnitude(t) * direction.
+// A force on one particle. With `area` N A0 (reference normal times reference area), `magnitude` is
+// a pressure p and follows the surface: f = -p det F F^-T N A0. Without, the force is magnitude(t)
+// * direction.
 template <int D>
 struct Load {
   std::size_t particle = 0;

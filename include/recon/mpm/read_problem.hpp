@@ -3,9 +3,9 @@
 //   auto problem = recon::mpm::read_problem("disks.toml", {"method.name=cpls", "cells=40"});
 //   std::visit([](auto& p) { ... }, problem);
 //
-// Lengths, masses and times are in any consistent units. A value that may vary is a number or a text
-// with an expression of X, Y, Z (reference position), x, y, z (current position) and t; constants
-// are pi and what [constants] defines.
+// Lengths, masses and times are in any consistent units. A value that may vary is a number or a
+// text with an expression of X, Y, Z (reference position), x, y, z (current position) and t;
+// constants are pi and what [constants] defines.
 //
 // A setting "key=value" replaces a value of the file, or adds one; a key without its table
 // ("cells") stands for the one key of that name that a problem can have. Values are TOML; a bare
@@ -26,7 +26,7 @@ namespace recon::mpm {
 
 // What a run writes, and how often.
 struct OutputOptions {
-  int frames = 50;       // pictures of the state, evenly in time; 0: none
+  int frames = 50;  // pictures of the state, evenly in time; 0: none
   bool ledger = true;
 };
 

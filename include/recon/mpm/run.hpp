@@ -29,7 +29,7 @@ struct RunResult {
   double time = 0;
   Ledger first, last;
   double shortest_step = 0, longest_step = 0;
-  std::size_t limiting_particle = 0;  // of the shortest step
+  std::size_t limiting_particle = 0;   // of the shortest step
   double largest_momentum_defect = 0;  // |nodes' - particles'|, of all steps
   std::size_t unfitted = 0;            // most nodes in a step without a fit of their own
   std::size_t frames = 0;

@@ -4,17 +4,19 @@
 //   while (simulation.time() < end) {
 //     simulation.map();                             // 1  particles to nodes: v_i, m_i, f_i
 //     simulation.advance(simulation.choose_step().dt);      // 2  nodes: v_i += dt f_i / m_i
-//   }                                               // 3  nodes to particles; 4 the grid is as before
+//   }                                               // 3  nodes to particles; 4 the grid is as
+//   before
 //
-// Leapfrog: positions and stresses at t, velocities half a step earlier; the first kick takes half a
-// step, so that a start at t = 0 is of second order, and a step may follow one of another length.
-// With a_i = f_i / m_i, k = (dt_before + dt) / 2 and S, G of the particle's domain at the old place:
+// Leapfrog: positions and stresses at t, velocities half a step earlier; the first kick takes half
+// a step, so that a start at t = 0 is of second order, and a step may follow one of another length.
+// With a_i = f_i / m_i, k = (dt_before + dt) / 2 and S, G of the particle's domain at the old
+// place:
 //     v_i+ = v_i + k a_i ,  v_p += k sum S a_i ,  x_p += dt sum S v_i+ ,  L = sum v_i+ (x) G ,
 //     F = (I + dt L) F ,  sigma = sigma(F)                              (Gong 2015, eq. 4.25-4.30)
 // G at the old place, not at the new one as the source prints, which costs an order.
 //
-// Nodes lighter than 1e-10 of the heaviest feel gravity alone: forces on them would be divided by next
-// to nothing. Nodes without mass stay at rest. The same bits for any number of threads.
+// Nodes lighter than 1e-10 of the heaviest feel gravity alone: forces on them would be divided by
+// next to nothing. Nodes without mass stay at rest. The same bits for any number of threads.
 #pragma once
 
 #include <stdexcept>
@@ -47,7 +49,7 @@ struct Nodes {
   std::vector<Vector<D>> acceleration;  // f_i / m_i, zero where the velocity is held
   FitReports fit;                       // of a fitted velocity: its nodes are fit_nodes
   std::vector<std::uint32_t> fit_nodes;
-  std::size_t unfitted = 0;             // nodes with mass whose velocity had to be mass-weighted
+  std::size_t unfitted = 0;  // nodes with mass whose velocity had to be mass-weighted
 };
 
 // Of the quadrature `cells`: columns density, stress by rows of its upper triangle; body force.

@@ -1,5 +1,5 @@
-// Small vectors and matrices of the driver. D is the number of space dimensions: 1 (uniaxial strain),
-// 2 (plane strain) or 3.
+// Small vectors and matrices of the driver. D is the number of space dimensions: 1 (uniaxial
+// strain), 2 (plane strain) or 3.
 #pragma once
 
 #include <Eigen/Core>

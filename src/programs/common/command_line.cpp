@@ -98,8 +98,8 @@ void check_names(const Front& front, const CLI::App& app, const std::vector<std:
     const std::string name = words[i].substr(0, words[i].find('='));
     if (!looks_like_option(words[i]) || std::find(names.begin(), names.end(), name) != names.end())
       continue;
-    fail_usage("unknown option '" + name + "'; " + suggest(name, names) + "\nSee " + front.name + " " +
-               (first == 1 ? words[0] + " " : "") + "--help.");
+    fail_usage("unknown option '" + name + "'; " + suggest(name, names) + "\nSee " + front.name +
+               " " + (first == 1 ? words[0] + " " : "") + "--help.");
   }
 }
 

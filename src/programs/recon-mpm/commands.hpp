@@ -9,5 +9,6 @@ Command add_run(CLI::App& app);
 Command add_methods(CLI::App& app);
 Command add_converge(CLI::App& app);
 Command add_verify(CLI::App& app);
+Command add_stability(CLI::App& app);
 
 }  // namespace recon::program

@@ -99,7 +99,8 @@ void print_table(const std::vector<mpm::ConvergenceRow>& rows, const std::string
       std::printf("%-14s %6d", row.method.c_str(), row.cells);
       for (const char* field : fields) {
         const auto at = find(row, field);
-        std::printf("  %12s %5s", or_dash(at.error, "%.3e").c_str(), or_dash(at.order, "%.2f").c_str());
+        std::printf("  %12s %5s", or_dash(at.error, "%.3e").c_str(),
+                    or_dash(at.order, "%.2f").c_str());
       }
       std::printf("%s%s\n", row.failure.empty() ? "" : "  ", row.failure.c_str());
     }
@@ -153,7 +154,9 @@ void run(const Options& options) {
                         "grid.cells=" + std::to_string(study.cells.front())});  // before any work
   // A run's cost grows with the cells of all axes and with the steps.
   std::size_t total = 0, done = 0;
-  const auto cost = [](int cells) { return static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells); };
+  const auto cost = [](int cells) {
+    return static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells);
+  };
   for (const int cells : study.cells) total += cost(cells) * study.methods.size();
   Progress progress("converge", total, options.quiet);
   const auto rows = with_exit_code(wrong_input, [&] {
@@ -171,7 +174,8 @@ void run(const Options& options) {
   with_exit_code(no_output, [&] {
     if (!options.out.empty()) write_table(options.out, rows);
     if (!options.picture.empty())
-      draw_errors(options.picture, rows, options.norm, fs::path(options.problem.file).stem().string());
+      draw_errors(options.picture, rows, options.norm,
+                  fs::path(options.problem.file).stem().string());
   });
 }
 

@@ -67,8 +67,8 @@ void print_summary(const mpm::Problem<D>& problem, const mpm::RunResult& result,
   if (result.unfitted > 0)
     print_line("unfitted", "up to " + counted(result.unfitted, "node") +
                                " of a step had no data for a fit: mass-weighted instead");
-  print_line("files", folder + ": " + counted(result.frames, "frame") +
-                          ", ledger.csv, checkpoint.h5");
+  print_line("files",
+             folder + ": " + counted(result.frames, "frame") + ", ledger.csv, checkpoint.h5");
 }
 
 // Energies over time, from the ledger.
@@ -88,8 +88,7 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
   const fs::path problem_path = options.problem.file;
   const std::string name = problem_path.stem().string();
   mpm::RunOptions run_options;
-  run_options.folder =
-      options.out.empty() ? name + "_" + file.problem.method.name : options.out;
+  run_options.folder = options.out.empty() ? name + "_" + file.problem.method.name : options.out;
   run_options.name = name;
   run_options.restart = options.restart;
   run_options.overwrite = options.overwrite;
@@ -117,7 +116,8 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
   if (!file.output.ledger) return;
   const fs::path picture = run_options.folder / "energy.png";
   try {
-    draw_energies(run_options.folder / "ledger.csv", picture, name + ", " + file.problem.method.name);
+    draw_energies(run_options.folder / "ledger.csv", picture,
+                  name + ", " + file.problem.method.name);
     print_line("picture", picture.string());
   } catch (const FileError& error) {  // no gnuplot: the numbers are there all the same
     print_line("picture", std::string("none: ") + error.what());

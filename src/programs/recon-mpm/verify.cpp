@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::string picture_folder = "verification";
+
 struct Options {
   bool full = false, quiet = false;
   std::string out, only;
@@ -43,14 +45,16 @@ std::string picture(const Options& options, const std::string& figure, const Lin
   if (options.out.empty()) return "";
   const std::string name = file_name(figure) + ".png";
   try {
-    draw(fs::path(options.out) / name, plot);
+    draw(fs::path(options.out) / picture_folder / name, plot);
   } catch (const FileError& error) {
     return std::string("(no picture: ") + error.what() + ")\n\n";
   }
-  return "![" + figure + "](" + name + ")\n\n";
+  return "![" + figure + "](" + picture_folder + "/" + name + ")\n\n";
 }
 
-std::string order_text(double order) { return std::isnan(order) ? "fails" : number(order, 3); }
+std::string order_text(double order) {
+  return std::isnan(order) ? "fails" : number(order, 3);
+}
 
 struct Verdict {
   std::string figure, statement, verdict;
@@ -66,7 +70,9 @@ class Report {
     const auto& cells = options_.full ? claim.full_cells : claim.cells;
     std::vector<double> times{0.25, 0.375, 1};
     const auto rows = mpm::converge(
-        [&](std::span<const std::string> more) { return load(claim.problem, claim.settings, more); },
+        [&](std::span<const std::string> more) {
+          return load(claim.problem, claim.settings, more);
+        },
         {claim.methods, cells, times});
     progress_.advance(1);
     double end = 0;
@@ -85,7 +91,7 @@ class Report {
                   number(expected.order, 3) + " was expected";
     }
     const std::string verdict = kept == static_cast<int>(claim.expected.size()) ? "holds"
-                                : kept > 0 ? "holds partly"
+                                : kept > 0                                      ? "holds partly"
                                            : "does not reproduce";
     verdicts_.push_back({claim.figure, claim.statement, verdict});
     text_ += "## " + claim.figure + ": " + verdict + "\n\nClaim: " + claim.statement + "\n\n" +
@@ -95,8 +101,9 @@ class Report {
     text_ += ", cells";
     for (const int n : cells) text_ += " " + std::to_string(n);
     text_ += ", norm " + claim.norm + ". Orders fitted to all grids:\n\n";
-    text_ += "| method | time | displacement | velocity | density | stress |\n"
-             "| --- | --- | --- | --- | --- | --- |\n";
+    text_ +=
+        "| method | time | displacement | velocity | density | stress |\n"
+        "| --- | --- | --- | --- | --- | --- |\n";
     for (const std::string& method : claim.methods)
       for (const double part : times) {
         text_ += "| " + method + " | " + (part == 1 ? "T" : part == 0.25 ? "T/4" : "3T/8");
@@ -108,7 +115,8 @@ class Report {
     for (const auto& row : rows)
       if (!row.failure.empty() && row.field == "displacement" && row.norm == "l2" &&
           row.time == end)
-        failures += "- " + row.method + ", " + std::to_string(row.cells) + " cells: " + row.failure + "\n";
+        failures +=
+            "- " + row.method + ", " + std::to_string(row.cells) + " cells: " + row.failure + "\n";
     text_ += "\n" + (failures.empty() ? "" : failures + "\n");
     text_ += picture(options_, claim.figure, plot_of(claim, rows, end));
   }
@@ -131,18 +139,20 @@ class Report {
                  load(account.problem, account.settings, settings));
       progress_.advance(1);
     }
-    text_ += "\nMomenta are parts of the largest sum of m |v|, energies parts of the first total.\n\n";
+    text_ +=
+        "\nMomenta are parts of the largest sum of m |v|, energies parts of the first total.\n\n";
     text_ += picture(options_, account.figure + " energy", energies);
     text_ += picture(options_, account.figure + " momentum", momenta);
   }
 
   void finish() const {
-    std::string all = "# Verification\n\nWritten by `recon-mpm verify" +
-                      std::string(options_.full ? " --full" : "") +
-                      "`. An order is the slope of log(error) over log(h), fitted to all grids; "
-                      "\"second order\" asks for 1.75, \"does not converge\" for at most 0.5. T is a "
-                      "full period, at which errors of first order may cancel: T/4 and 3T/8 are "
-                      "beside it.\n\n| figure | claim | verdict |\n| --- | --- | --- |\n";
+    std::string all =
+        "# Verification\n\nWritten by `recon-mpm verify" +
+        std::string(options_.full ? " --full" : "") +
+        "`. An order is the slope of log(error) over log(h), fitted to all grids; "
+        "\"second order\" asks for 1.75, \"does not converge\" for at most 0.5. T is a "
+        "full period, at which errors of first order may cancel: T/4 and 3T/8 are "
+        "beside it.\n\n| figure | claim | verdict |\n| --- | --- | --- |\n";
     for (const Verdict& v : verdicts_)
       all += "| " + v.figure + " | " + v.statement + " | " + v.verdict + " |\n";
     all += "\n" + text_;
@@ -179,7 +189,9 @@ class Report {
     plot.reference_slope = 2;
     for (const std::string& method : claim.methods)
       for (const char* field : {"displacement", "velocity", "density", "stress"}) {
-        Curve curve{claim.methods.size() > 1 ? method + " " + field : field, {}, {},
+        Curve curve{claim.methods.size() > 1 ? method + " " + field : field,
+                    {},
+                    {},
                     CurveStyle::line_and_markers};
         for (const auto& row : rows)
           if (row.method == method && row.field == field && row.norm == claim.norm &&
@@ -198,8 +210,9 @@ class Report {
   void run(const mpm::Problem<D>& problem, const std::string& method, LinePlot& energies,
            LinePlot& momenta) {
     mpm::Simulation<D> simulation(problem);
-    Curve kinetic{method + " kinetic", {}, {}, CurveStyle::line}, strain = kinetic, total = kinetic,
-          particles{method + " particles", {}, {}, CurveStyle::line}, nodes = particles;
+    Curve kinetic{method + " kinetic", {}, {}, CurveStyle::line},
+        strain = kinetic, total = kinetic,
+        particles{method + " particles", {}, {}, CurveStyle::line}, nodes = particles;
     strain.name = method + " strain";
     total.name = method + " total";
     nodes.name = method + " nodes";
@@ -237,7 +250,8 @@ class Report {
                   ? number((now.angular[2] - start->angular[2]) / start->angular[2], 3)
                   : "-") +
              " | " + number(*low / first, 4) + " .. " + number(*high / first, 4) + " | " +
-             number(total.y.back() / first, 4) + " |" + (failure.empty() ? "" : " " + failure) + "\n";
+             number(total.y.back() / first, 4) + " |" + (failure.empty() ? "" : " " + failure) +
+             "\n";
     energies.curves.insert(energies.curves.end(), {kinetic, strain, total});
     momenta.curves.insert(momenta.curves.end(), {particles, nodes});
   }
@@ -255,7 +269,7 @@ class Report {
 void run(const Options& options) {
   if (!options.out.empty()) {
     std::error_code error;
-    fs::create_directories(options.out, error);
+    fs::create_directories(fs::path(options.out) / picture_folder, error);
     with_exit_code(no_output,
                    [&] { const AtomicFile probe(fs::path(options.out) / "verification.md"); });
   }
@@ -273,7 +287,7 @@ Command add_verify(CLI::App& app) {
   command->add_flag("--full", options->full, "finer grids; takes long");
   command->add_option("--only", options->only, "figures whose name contains this text");
   command->add_option("--out", options->out,
-                      "folder for verification.md with pictures (default: text to the terminal)");
+                      "folder for verification.md and verification/*.png (default: the terminal)");
   command->add_flag("--quiet", options->quiet, "no progress");
   return [options] { run(*options); };
 }

@@ -1,0 +1,124 @@
+// The material point method: time per particle and step of each method, and how much of it the
+// reconstructions take.
+#include "lab.hpp"
+
+#ifdef RECON_BENCH_HAS_MPM
+
+#include <cmath>
+#include <memory>
+
+#include "recon/mpm/simulation.hpp"
+
+namespace recon_bench {
+namespace {
+
+using namespace recon::mpm;
+
+constexpr double impm_goal = 3;
+
+// A block that fills the grid, 2 particles per cell and axis, in a linear velocity field.
+template <int D>
+Problem<D> full_block(std::size_t cells, const Method& method, int threads) {
+  Problem<D> problem;
+  problem.grid = Grid<D>(Vector<D>::Zero(), Vector<D>::Ones(), 1.0 / static_cast<double>(cells));
+  problem.materials = {NeoHookean{recon::mpm::Lame::from(1000, 0.3)}};
+  problem.densities = {1000};
+  problem.method = method;
+  problem.threads = threads;
+  const std::size_t along = 2 * cells;
+  const double edge = problem.grid.h() / 2;
+  std::size_t count = 1;
+  for (int d = 0; d < D; ++d) count *= along;
+  for (std::size_t i = 0; i < count; ++i) {
+    Vector<D> X;
+    std::size_t rest = i;
+    for (int d = 0; d < D; ++d, rest /= along)
+      X[d] = (static_cast<double>(rest % along) + 0.5) * edge;
+    problem.particles.add(X, Matrix<D>::Identity() * (edge / 2), 1000, 0);
+    for (int d = 0; d < D; ++d) problem.particles.v.back()[d] = 0.1 * X[(d + 1) % D] - 0.05;
+    problem.particles.L.back().setZero();
+    for (int d = 0; d < D; ++d) problem.particles.L.back()(d, (d + 1) % D) += 0.1;
+  }
+  return problem;
+}
+
+// Mass is complete, and fitted maps reproduce the linear field.
+template <int D>
+double worst(const Simulation<D>& simulation) {
+  const auto& nodes = simulation.nodes();
+  double mass = 0, total = 0, error = 0;
+  for (std::size_t p = 0; p < simulation.particles().size(); ++p)
+    total += simulation.particles().mass[p];
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
+    mass += nodes.mass[i];
+    const Vector<D> x = simulation.problem().grid.position(i);
+    for (int d = 0; d < D; ++d)
+      error = std::max(error, std::abs(nodes.mapped[i][d] - (0.1 * x[(d + 1) % D] - 0.05)));
+  }
+  const bool fitted = simulation.problem().method.velocity != VelocityMap::mass_weighted;
+  return std::max(std::abs(mass / total - 1) / 1e-9, fitted ? error / 1e-9 : 0.0);
+}
+
+template <int D>
+void time_methods(Lab& lab, std::size_t cells, Table& table) {
+  const std::string name = std::to_string(D) + "-D";
+  progress("mpm, " + name);
+  std::vector<std::unique_ptr<Simulation<D>>> simulations;
+  std::vector<Contestant> all;
+  for (const int threads : {lab.context.threads, 1})
+    for (const Method& method : methods()) {
+      auto& made = simulations.emplace_back(
+          std::make_unique<Simulation<D>>(full_block<D>(cells, method, threads)));
+      made->map();
+      lab.checks.within(worst(*made), "mpm " + name + ", " + method.name);
+      all.push_back({method.name + (threads == 1 ? ", one thread" : ""), [&made = *made] {
+                       made.map();
+                       made.advance(1e-6);  // nothing moves to speak of: every step is like the first
+                     }});
+    }
+  const auto particles = static_cast<double>(simulations.front()->particles().size());
+  const auto times = lab.stopwatch.run("mpm/" + name, all, 3);
+  const std::size_t count = methods().size();
+  const auto time_of = [&](const std::string& method) {
+    for (std::size_t m = 0; m < count; ++m)
+      if (methods()[m].name == method) return times[m];
+    return Times{};
+  };
+  for (std::size_t m = 0; m < count; ++m) {
+    const Method& method = methods()[m];
+    // The same domain without any fit; corners cost what they cost.
+    const Times base = time_of(method.domain == Domain::point   ? "mpm"
+                               : method.domain == Domain::cpdi1 ? "cpdi1"
+                               : method.domain == Domain::cpdi2 ? "cpdi2"
+                                                                : method.name);
+    const double ns = times[m].best() / particles * 1e9;
+    table.add({name, number(particles), method.name, number(ns), number(1e3 / ns),
+               number(times[m + count].best() / times[m].best()),
+               number(100 * std::max(0.0, 1 - base.best() / times[m].best())),
+               number(speedup(time_of("mpm"), times[m]))});
+  }
+  const Times mpm = time_of("mpm"), impm = time_of("impm");
+  lab.summary.at_most("mpm " + name, "ns per particle and step: impm against mpm",
+                      impm.best() / particles * 1e9, mpm.best() / particles * 1e9,
+                      1 / speedup(mpm, impm), impm_goal);
+}
+
+}  // namespace
+
+Section run_mpm(Lab& lab) {
+  Table table("mpm", {"dimension", "particles", "method", "ns per particle and step",
+                      "million particles per second", "2 threads / 1", "reconstruction %",
+                      "time / mpm"});
+  time_methods<2>(lab, lab.choose(200, 100, 8), table);
+  time_methods<3>(lab, lab.choose(40, 24, 4), table);
+  return {"Material point method",
+          "A full block, 2 particles per cell and axis; a step is map() and advance(). "
+          "\"Reconstruction\": the part of the time beyond the method with the same particle domain "
+          "and the mass-weighted map.",
+          {table},
+          {}};
+}
+
+}  // namespace recon_bench
+
+#endif

@@ -1,0 +1,90 @@
+// recon-mpm stability: the largest stable step of each method, and its dispersion.
+#include "recon/mpm/stability.hpp"
+
+#include <cstdio>
+#include <memory>
+
+#include "commands.hpp"
+#include "programs/common/checks.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/text.hpp"
+#include "recon/io/picture.hpp"
+
+namespace recon::program {
+namespace {
+
+struct Options {
+  std::string methods = "mpm,cpdi2,improved_cpdi,impm", particles = "1,2,4,8", picture;
+};
+
+void run(const Options& options) {
+  if (!options.picture.empty())
+    with_exit_code(wrong_usage, [&] { require_picture_extension(options.picture); });
+  std::vector<const mpm::Method*> methods;
+  for (const std::string& name : split(options.methods))
+    methods.push_back(&mpm::method_named(name));
+  std::vector<int> counts;
+  for (const std::string& word : split(options.particles)) {
+    const auto count = to_number(word);
+    if (!count || *count < 1 || *count > 32 || *count != std::floor(*count))
+      fail_usage("--particles: '" + word + "' is no whole number from 1 to 32");
+    counts.push_back(static_cast<int>(*count));
+  }
+  std::printf("largest stable c_p dt / h in 1-D, measured and 1 / sqrt(Q (2 - W))\n"
+              "%-14s %9s %9s %9s %7s %7s\n", "method", "particles", "measured", "analytic", "W", "Q");
+  for (const mpm::Method* method : methods)
+    for (const int count : counts) {
+      const auto limit = mpm::stability_limit(*method, count);
+      std::printf("%-14s %9d %9.3f %9.3f %7.4f %7.4f\n", limit.method.c_str(), count,
+                  limit.measured, limit.analytic, limit.W, limit.Q);
+      std::fflush(stdout);
+    }
+
+  constexpr double courant = 0.4;
+  constexpr int per_cell = 4;
+  LinePlot plot;
+  plot.title = "speed of waves over c_p, courant 0.4, 4 particles per cell";
+  plot.x_label = "k h / pi";
+  plot.y_label = "omega / (k c_p)";
+  std::printf("\n%s\n%-14s", plot.title.c_str(), "k h / pi");
+  std::vector<std::vector<mpm::DispersionPoint>> curves;
+  for (const mpm::Method* method : methods) {
+    curves.push_back(mpm::dispersion(*method, per_cell, courant));
+    std::printf(" %13s", method->name.c_str());
+    auto& curve = plot.curves.emplace_back();
+    curve.name = method->name;
+    for (const auto& point : curves.back()) {
+      curve.x.push_back(point.kh / 3.14159265358979);
+      curve.y.push_back(point.measured);
+    }
+  }
+  std::printf(" %13s\n", "analytic");
+  auto& exact = plot.curves.emplace_back();
+  exact.name = "sin(w dt/2) = C sin(kh/2)";
+  exact.style = CurveStyle::line;
+  for (std::size_t i = 0; i < curves.front().size(); ++i) {
+    const auto& point = curves.front()[i];
+    std::printf("%-14.3f", point.kh / 3.14159265358979);
+    for (const auto& curve : curves) std::printf(" %13.4f", curve[i].measured);
+    std::printf(" %13.4f\n", point.analytic);
+    exact.x.push_back(point.kh / 3.14159265358979);
+    exact.y.push_back(point.analytic);
+  }
+  if (!options.picture.empty())
+    with_exit_code(no_output, [&] { draw(options.picture, plot); });
+}
+
+}  // namespace
+
+Command add_stability(CLI::App& app) {
+  auto* command =
+      app.add_subcommand("stability", "the largest stable step of each method, and its dispersion");
+  auto options = std::make_shared<Options>();
+  command->add_option("--methods", options->methods, "names, with commas")->capture_default_str();
+  command->add_option("--particles", options->particles, "per cell, with commas")
+      ->capture_default_str();
+  command->add_option("--picture", options->picture, "FILE.png or .svg of the dispersion");
+  return [options] { run(*options); };
+}
+
+}  // namespace recon::program
