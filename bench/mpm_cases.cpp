@@ -73,7 +73,8 @@ void time_methods(Lab& lab, std::size_t cells, Table& table) {
       lab.checks.within(worst(*made), "mpm " + name + ", " + method.name);
       all.push_back({method.name + (threads == 1 ? ", one thread" : ""), [&made = *made] {
                        made.map();
-                       made.advance(1e-6);  // nothing moves to speak of: every step is like the first
+                       made.advance(
+                           1e-6);  // nothing moves to speak of: every step is like the first
                      }});
     }
   const auto particles = static_cast<double>(simulations.front()->particles().size());
@@ -106,17 +107,18 @@ void time_methods(Lab& lab, std::size_t cells, Table& table) {
 }  // namespace
 
 Section run_mpm(Lab& lab) {
-  Table table("mpm", {"dimension", "particles", "method", "ns per particle and step",
-                      "million particles per second", "2 threads / 1", "reconstruction %",
-                      "time / mpm"});
+  Table table("mpm",
+              {"dimension", "particles", "method", "ns per particle and step",
+               "million particles per second", "2 threads / 1", "reconstruction %", "time / mpm"});
   time_methods<2>(lab, lab.choose(200, 100, 8), table);
   time_methods<3>(lab, lab.choose(40, 24, 4), table);
-  return {"Material point method",
-          "A full block, 2 particles per cell and axis; a step is map() and advance(). "
-          "\"Reconstruction\": the part of the time beyond the method with the same particle domain "
-          "and the mass-weighted map.",
-          {table},
-          {}};
+  return {
+      "Material point method",
+      "A full block, 2 particles per cell and axis; a step is map() and advance(). "
+      "\"Reconstruction\": the part of the time beyond the method with the same particle domain "
+      "and the mass-weighted map.",
+      {table},
+      {}};
 }
 
 }  // namespace recon_bench

@@ -4,26 +4,40 @@
 
 namespace recon::mpm {
 
+namespace {
+
+constexpr const char* fields[] = {"displacement", "velocity", "density", "stress"};
+
+// |e_p|^2 of all fields.
 template <int D>
-std::vector<FieldError> errors(const Simulation<D>& simulation) {
+std::array<double, 4> squared_errors(const Simulation<D>& simulation, std::size_t p) {
   const Problem<D>& problem = simulation.problem();
   const Particles<D>& particles = simulation.particles();
   require(problem.exact != nullptr, "problem", problem.title, "has no exact solution");
   const double t = simulation.time();
-  std::vector<FieldError> found{{"displacement"}, {"velocity"}, {"density"}, {"stress"}};
+  const auto now = problem.exact->at(particles.X[p], t);
+  const auto before = problem.exact->at(particles.X[p], t - simulation.last_step() / 2);
+  Matrix<D> stress = Matrix<D>::Zero();
+  double energy = 0;
+  std::get<NeoHookean>(problem.materials[particles.body[p]])
+      .update(now.F, particles.L[p], 0, stress, energy);
+  const double density = particles.mass[p] / (particles.volume0[p] * now.F.determinant());
+  return {(particles.x[p] - particles.X[p] - now.displacement).squaredNorm(),
+          (particles.v[p] - before.velocity).squaredNorm(),
+          (particles.density(p) - density) * (particles.density(p) - density),
+          (particles.stress[p] - stress).squaredNorm()};
+}
+
+}  // namespace
+
+template <int D>
+std::vector<FieldError> errors(const Simulation<D>& simulation) {
+  const Particles<D>& particles = simulation.particles();
+  std::vector<FieldError> found;
+  for (const char* field : fields) found.push_back({field});
   for (std::size_t p = 0; p < particles.size(); ++p) {
-    const auto now = problem.exact->at(particles.X[p], t);
-    const auto before = problem.exact->at(particles.X[p], t - simulation.last_step() / 2);
-    Matrix<D> stress = Matrix<D>::Zero();
-    double energy = 0;
-    std::get<NeoHookean>(problem.materials[particles.body[p]])
-        .update(now.F, particles.L[p], 0, stress, energy);
-    const double density = particles.mass[p] / (particles.volume0[p] * now.F.determinant());
-    const double squared[] = {(particles.x[p] - particles.X[p] - now.displacement).squaredNorm(),
-                              (particles.v[p] - before.velocity).squaredNorm(),
-                              (particles.density(p) - density) * (particles.density(p) - density),
-                              (particles.stress[p] - stress).squaredNorm()};
-    for (int f = 0; f < 4; ++f) {
+    const auto squared = squared_errors(simulation, p);
+    for (std::size_t f = 0; f < found.size(); ++f) {
       found[f].l2 += squared[f] * particles.volume(p);
       found[f].rms += squared[f];
     }
@@ -35,8 +49,19 @@ std::vector<FieldError> errors(const Simulation<D>& simulation) {
   return found;
 }
 
-template std::vector<FieldError> errors(const Simulation<1>&);
-template std::vector<FieldError> errors(const Simulation<2>&);
-template std::vector<FieldError> errors(const Simulation<3>&);
+template <int D>
+double error_of(const Simulation<D>& simulation, std::size_t particle, const std::string& field) {
+  for (std::size_t f = 0; f < std::size(fields); ++f)
+    if (field == fields[f]) return std::sqrt(squared_errors(simulation, particle)[f]);
+  recon::detail::throw_invalid("field", field, "must be displacement, velocity, density or stress");
+}
+
+#define RECON_INSTANTIATE(D)                                     \
+  template std::vector<FieldError> errors(const Simulation<D>&); \
+  template double error_of(const Simulation<D>&, std::size_t, const std::string&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

@@ -41,6 +41,25 @@ void expect_orders(const std::string& file, std::vector<int> cells) {
             << file << " " << field << " " << norm << " at " << part << " T";
       }
 }
+// On finer grids, and in 3-D; the ring and the vortex (Tran et al. 2019, figures 24-28, 43-45).
+TEST(SlowConvergence, LargeDeformation) {
+  expect_orders("vibration_1d.toml", {128, 256});
+  expect_orders("vibration_2d.toml", {64, 128});
+  const auto cube = study("vibration_3d.toml", {{"impm", "cpls"}, {12, 24}, {0.375}});
+  for (const char* method : {"impm", "cpls"})
+    for (const char* field : {"displacement", "velocity"})
+      EXPECT_GE(finest_order(cube, method, field, "l2", 0.375 * 0.02), 1.75)
+          << method << " " << field;
+}
+TEST(SlowConvergence, RingAndVortex) {
+  const auto ring = study("ring.toml", {{"cpls"}, {20, 40, 80}, {1}});
+  const auto vortex = study("vortex.toml", {{"cpls"}, {16, 32, 64}, {1}});
+  for (const char* field : {"displacement", "velocity"}) {
+    EXPECT_GE(finest_order(ring, "cpls", field, "rms", 0.02), 1.75) << field;
+    EXPECT_GE(finest_order(vortex, "cpls", field, "rms", 1), 1.75) << field;
+  }
+}
+
 TEST(Convergence, LargeDeformationIn1D) {
   expect_orders("vibration_1d.toml", {64, 128});
 }

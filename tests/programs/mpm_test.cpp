@@ -19,8 +19,8 @@ class MpmProgram : public ProgramTest {
 
 TEST_F(MpmProgram, MethodsAreListed) {
   const std::string table = succeed("methods");
-  for (const char* name : {"mpm", "ugimp", "cpgimp", "cpdi1", "cpdi2", "impm", "improved_cpdi",
-                           "imls_mpm", "cpls"})
+  for (const char* name :
+       {"mpm", "ugimp", "cpgimp", "cpdi1", "cpdi2", "impm", "improved_cpdi", "imls_mpm", "cpls"})
     EXPECT_THAT(table, HasSubstr(std::string("\n") + name + " "));
 }
 
@@ -38,10 +38,12 @@ TEST_F(MpmProgram, ARunLeavesItsFiles) {
   EXPECT_THAT(read("out/disks_particles.pvd"), HasSubstr("disks_particles_0002.vtp"));
 
   // Another run in the same place is refused; going on from the end changes nothing.
-  EXPECT_THAT(run("run disks.toml --cells 10 --set end=0.3 --out out").err, HasSubstr("another run"));
+  EXPECT_THAT(run("run disks.toml --cells 10 --set end=0.3 --out out").err,
+              HasSubstr("another run"));
   const std::string before = read("out/ledger.csv");
-  succeed("run disks.toml --cells 10 --set end=0.3 --set frames=3 --quiet --out out "
-          "--restart out/checkpoint.h5");
+  succeed(
+      "run disks.toml --cells 10 --set end=0.3 --set frames=3 --quiet --out out "
+      "--restart out/checkpoint.h5");
   EXPECT_EQ(read("out/ledger.csv"), before);
 }
 
@@ -49,7 +51,8 @@ TEST_F(MpmProgram, AFailureIsExplained) {
   const Outcome outcome =
       run("run wall.toml --method mpm --cells 10 --set 'velocity=[1,0.5]' --quiet --out out");
   EXPECT_EQ(outcome.code, 4);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("step "), HasSubstr("particle "), HasSubstr("checkpoint.h5")));
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("step "), HasSubstr("particle "), HasSubstr("checkpoint.h5")));
   EXPECT_TRUE(exists("out/checkpoint.h5"));
 }
 
@@ -71,7 +74,8 @@ TEST_F(MpmProgram, Mistakes) {
 
 TEST_F(MpmProgram, ConvergeWritesATable) {
   const std::string text = succeed(
-      "converge vibration_1d.toml --methods mpm,cpls --cells 16,8,32 --times 'T/4,3T/8,T' --out c.csv --quiet");
+      "converge vibration_1d.toml --methods mpm,cpls --cells 16,8,32 --times 'T/4,3T/8,T' --out "
+      "c.csv --quiet");
   EXPECT_THAT(text, AllOf(HasSubstr("displacement"), HasSubstr("time 0.0075")));
   EXPECT_EQ(first_line("c.csv"), "method,cells,h,time,field,norm,error,order,failure");
   const ParticleTable rows = table("c.csv");

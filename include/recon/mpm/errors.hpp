@@ -20,4 +20,8 @@ struct FieldError {
 template <int D>
 std::vector<FieldError> errors(const Simulation<D>& simulation);
 
+// |e_p| of one particle; `field` is one of the names above.
+template <int D>
+double error_of(const Simulation<D>& simulation, std::size_t particle, const std::string& field);
+
 }  // namespace recon::mpm

@@ -1,12 +1,12 @@
 // The largest stable time step of a method, and how it carries waves: a bar in 1-D, small motion.
 //
-// At the shortest wave (k h = pi) a linear step of velocity v and stress s, re-mapped every time, has
-// the matrix [[1, -W Q K], [K, 1 - Q K^2]] with K = 2 c_p dt / h. W is what is left of an alternating
-// velocity that goes from the nodes to the particles and back by the velocity map; Q what is left of an
-// alternating stress in the quadrature (1 over particles). It is stable for
+// At the shortest wave (k h = pi) a linear step of velocity v and stress s, re-mapped every time,
+// has the matrix [[1, -W Q K], [K, 1 - Q K^2]] with K = 2 c_p dt / h. W is what is left of an
+// alternating velocity that goes from the nodes to the particles and back by the velocity map; Q
+// what is left of an alternating stress in the quadrature (1 over particles). It is stable for
 //     c_p dt / h <= 1 / sqrt(Q (2 - W)) ,
-// and waves obey sin(omega dt / 2) = (c_p dt / h) sin(k h / 2) whatever the number of particles (Gong
-// 2015, eq. 7.29, as corrected). c_p = sqrt((lambda + 2 mu) / density).
+// and waves obey sin(omega dt / 2) = (c_p dt / h) sin(k h / 2) whatever the number of particles
+// (Gong 2015, eq. 7.29, as corrected). c_p = sqrt((lambda + 2 mu) / density).
 #pragma once
 
 #include <vector>

@@ -233,4 +233,45 @@ std::vector<Account> accounts() {
   };
 }
 
+std::vector<Snapshot> snapshots() {
+  const std::vector<std::string> both{"cpdi1", "cpls"};
+  return {
+      {"Tran et al. 2019, figures 37, 38",
+       "Vortex at T: displacement errors in the middle and at a border of the ring.",
+       "vortex",
+       {"cells=8"},
+       both,
+       {1},
+       "displacement"},
+      {"Tran et al. 2019, figures 39, 40",
+       "Vortex at T: velocity errors, smaller with CPLS.",
+       "vortex",
+       {"cells=8"},
+       both,
+       {1},
+       "velocity"},
+      {"Tran et al. 2019, figures 41, 42",
+       "Vortex at T: stress errors, smaller with CPLS.",
+       "vortex",
+       {"cells=8"},
+       both,
+       {1},
+       "stress"},
+      {"Tran et al. 2019, figures 35, 36",
+       "Vortex: speed and shape of the ring at T/4, T/2 and T.",
+       "vortex",
+       {"cells=8"},
+       both,
+       {0.25, 0.5, 1},
+       "speed"},
+      {"Tran et al. 2019, figures 49-51",
+       "Disks: speed before, in and after the collision.",
+       "disks",
+       {},
+       {"cpls"},
+       {0.01, 0.56, 1},
+       "speed"},
+  };
+}
+
 }  // namespace recon::program

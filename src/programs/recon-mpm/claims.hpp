@@ -34,7 +34,18 @@ struct Account {
   std::vector<std::string> methods;
 };
 
+// Maps of what the particles carry at some times (parts of the end), one panel for each method and
+// time. Quantity: speed, or the size of an error: displacement, velocity, stress.
+struct Snapshot {
+  std::string figure, statement, problem;
+  std::vector<std::string> settings;
+  std::vector<std::string> methods;
+  std::vector<double> times;
+  std::string quantity;
+};
+
 std::vector<Claim> claims();
 std::vector<Account> accounts();
+std::vector<Snapshot> snapshots();
 
 }  // namespace recon::program

@@ -30,8 +30,10 @@ void run(const Options& options) {
       fail_usage("--particles: '" + word + "' is no whole number from 1 to 32");
     counts.push_back(static_cast<int>(*count));
   }
-  std::printf("largest stable c_p dt / h in 1-D, measured and 1 / sqrt(Q (2 - W))\n"
-              "%-14s %9s %9s %9s %7s %7s\n", "method", "particles", "measured", "analytic", "W", "Q");
+  std::printf(
+      "largest stable c_p dt / h in 1-D, measured and 1 / sqrt(Q (2 - W))\n"
+      "%-14s %9s %9s %9s %7s %7s\n",
+      "method", "particles", "measured", "analytic", "W", "Q");
   for (const mpm::Method* method : methods)
     for (const int count : counts) {
       const auto limit = mpm::stability_limit(*method, count);
@@ -70,8 +72,7 @@ void run(const Options& options) {
     exact.x.push_back(point.kh / 3.14159265358979);
     exact.y.push_back(point.analytic);
   }
-  if (!options.picture.empty())
-    with_exit_code(no_output, [&] { draw(options.picture, plot); });
+  if (!options.picture.empty()) with_exit_code(no_output, [&] { draw(options.picture, plot); });
 }
 
 }  // namespace

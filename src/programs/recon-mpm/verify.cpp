@@ -15,6 +15,7 @@
 #include "recon/io/picture.hpp"
 #include "recon/mpm/ledger.hpp"
 #include "recon/mpm/run.hpp"
+#include "recon/operators/reconstruct.hpp"
 
 namespace recon::program {
 namespace {
@@ -41,7 +42,8 @@ std::string file_name(std::string figure) {
 }
 
 // Draws, unless there is no folder or no gnuplot; the Markdown of the picture.
-std::string picture(const Options& options, const std::string& figure, const LinePlot& plot) {
+template <class Plot>
+std::string picture(const Options& options, const std::string& figure, const Plot& plot) {
   if (options.out.empty()) return "";
   const std::string name = file_name(figure) + ".png";
   try {
@@ -145,6 +147,28 @@ class Report {
     text_ += picture(options_, account.figure + " momentum", momenta);
   }
 
+  void add(const Snapshot& snapshot) {
+    if (!wanted(snapshot.figure)) return;
+    HeatMap map;
+    map.title = snapshot.figure;
+    map.colour_label = snapshot.quantity == "speed" ? "speed" : snapshot.quantity + " error";
+    map.columns = static_cast<int>(snapshot.methods.size() == 1 ? snapshot.times.size()
+                                                                : snapshot.methods.size());
+    std::string largest;
+    for (const double part : snapshot.times)
+      for (const std::string& method : snapshot.methods) {
+        const std::string settings[] = {"method.name=" + method};
+        std::visit(
+            [&](const auto& file) {
+              add_panel(snapshot, file.problem, method, part, map, largest);
+            },
+            load(snapshot.problem, snapshot.settings, settings));
+        progress_.advance(1);
+      }
+    text_ += "## " + snapshot.figure + "\n\n" + snapshot.statement + " Largest values: " + largest +
+             ".\n\n" + picture(options_, snapshot.figure, map);
+  }
+
   void finish() const {
     std::string all =
         "# Verification\n\nWritten by `recon-mpm verify" +
@@ -176,6 +200,8 @@ class Report {
     for (const Claim& claim : claims()) count += wanted(claim.figure);
     for (const Account& account : accounts())
       count += wanted(account.figure) * account.methods.size();
+    for (const Snapshot& snapshot : snapshots())
+      count += wanted(snapshot.figure) * snapshot.methods.size() * snapshot.times.size();
     return count;
   }
 
@@ -204,6 +230,48 @@ class Report {
         if (!std::isnan(largest)) plot.curves.push_back(curve);
       }
     return plot;
+  }
+
+  // The size of a quantity at the particles, spread over a grid that is three times as fine as
+  // theirs by Shepard's mean; nothing where no particle is near.
+  template <int D>
+  static void add_panel(const Snapshot& snapshot, const mpm::Problem<D>& problem,
+                        const std::string& method, double part, HeatMap& map,
+                        std::string& largest) {
+    if constexpr (D == 2) {
+      mpm::Simulation<D> simulation(problem);
+      HeatMapPanel panel;
+      panel.title = method + " at " + number(part * problem.time.end, 3);
+      try {
+        mpm::run_until(simulation, part * problem.time.end);
+      } catch (const mpm::Failure& stop) {
+        largest += (largest.empty() ? "" : ", ") + method + " " + stop.what();
+        return;
+      }
+      const mpm::Particles<D>& particles = simulation.particles();
+      std::vector<double> size(particles.size());
+      for (std::size_t p = 0; p < size.size(); ++p) {
+        if (snapshot.quantity == "speed") {
+          size[p] = particles.v[p].norm();
+          continue;
+        }
+        size[p] = mpm::error_of(simulation, p, snapshot.quantity);
+      }
+      const double h = problem.grid.h();
+      const auto points = points_of(particles.x);
+      panel.grid = covering_grid(bounding_box(points, "particles"), h / 6);
+      const auto nodes = panel.grid.nodes();
+      const Reconstruction fit =
+          reconstruct(points, nodes.view(), {.degree = 0, .neighbours = Radius{0.45 * h}});
+      panel.values.resize(panel.grid.size());
+      fit.apply(field_of(size), field_of(panel.values));
+      for (const auto& x : particles.x) panel.dots.push_back({x[0], x[1]});
+      largest += (largest.empty() ? "" : ", ") + panel.title + " " +
+                 number(*std::max_element(size.begin(), size.end()), 3);
+      map.panels.push_back(std::move(panel));
+    } else {
+      (void)snapshot, (void)problem, (void)method, (void)part, (void)map, (void)largest;
+    }
   }
 
   template <int D>
@@ -276,6 +344,7 @@ void run(const Options& options) {
   Report report(options);
   for (const Claim& claim : claims()) report.add(claim);
   for (const Account& account : accounts()) report.add(account);
+  for (const Snapshot& snapshot : snapshots()) report.add(snapshot);
   with_exit_code(no_output, [&] { report.finish(); });
 }
 
