@@ -12,6 +12,8 @@ namespace recon::mpm {
 namespace {
 
 constexpr std::size_t particles_per_block = 1024;
+constexpr std::size_t fewest_for_threads =
+    2000;                                // a step of fewer is over before threads have started
 constexpr double lightest_node = 1e-10;  // of the heaviest
 
 }  // namespace
@@ -26,6 +28,7 @@ template <int D>
 Simulation<D>::Simulation(Problem<D> problem) : problem_(std::move(problem)) {
   problem_.validate();
   Particles<D>& particles = problem_.particles;
+  if (particles.size() < fewest_for_threads) problem_.threads = 1;
   if (problem_.method.domain == Domain::cpdi2 && particles.corners.empty())
     for (std::size_t p = 0; p < particles.size(); ++p)
       particles.corners.push_back(particles.domain(p));

@@ -27,10 +27,11 @@ double finest_order(const std::vector<ConvergenceRow>& rows, const std::string& 
 
 // Second order in displacement and velocity for the improved methods, where the original one does
 // not converge (Gong 2015, figures 4.8, 5.6, 6.4; Tran et al. 2019, figures 10, 12).
-void expect_orders(const std::string& file, std::vector<int> cells) {
-  const ConvergenceStudy asked{{"mpm", "impm", "improved_cpdi", "cpls"}, cells, {0.375, 1}};
+void expect_orders(const std::string& file, std::vector<int> cells,
+                   std::vector<double> times = {0.375, 1}) {
+  const ConvergenceStudy asked{{"mpm", "impm", "improved_cpdi", "cpls"}, cells, times};
   const auto rows = study(file, asked);
-  const double end = rows.back().time;
+  const double end = rows.back().time / times.back();
   for (const double part : asked.times)
     for (const char* norm : {"l2", "rms"})
       for (const char* field : {"displacement", "velocity"}) {
@@ -44,6 +45,7 @@ void expect_orders(const std::string& file, std::vector<int> cells) {
 // On finer grids, and in 3-D; the ring and the vortex (Tran et al. 2019, figures 24-28, 43-45).
 TEST(SlowConvergence, LargeDeformation) {
   expect_orders("vibration_1d.toml", {128, 256});
+  expect_orders("vibration_2d.toml", {32, 64});
   expect_orders("vibration_2d.toml", {64, 128});
   const auto cube = study("vibration_3d.toml", {{"impm", "cpls"}, {12, 24}, {0.375}});
   for (const char* method : {"impm", "cpls"})
@@ -63,8 +65,9 @@ TEST(SlowConvergence, RingAndVortex) {
 TEST(Convergence, LargeDeformationIn1D) {
   expect_orders("vibration_1d.toml", {64, 128});
 }
+// At T the velocity of impm is near its order on finer grids only: see the slow test.
 TEST(Convergence, LargeDeformationIn2D) {
-  expect_orders("vibration_2d.toml", {32, 64});
+  expect_orders("vibration_2d.toml", {16, 32}, {0.375});
 }
 
 // All methods are of second order in displacement where nothing crosses a cell (Gong 2015,

@@ -61,9 +61,9 @@ TEST_P(EveryMethod, RigidFlightIn3D) {
 }
 
 // Two blocks collide in free flight.
-Problem<2> collision(const std::string& method) {
-  Problem<2> problem = block<2>(10, 0.2, 0.4, method);
-  const Problem<2> other = block<2>(10, 0.5, 0.7, method);
+Problem<2> collision(const std::string& method, int per_cell = 2) {
+  Problem<2> problem = block<2>(10, 0.2, 0.4, method, per_cell);
+  const Problem<2> other = block<2>(10, 0.5, 0.7, method, per_cell);
   for (std::size_t p = 0; p < problem.particles.size(); ++p) problem.particles.v[p] << 0.1, 0.07;
   problem.materials.push_back(LinearElastic{Lame::from(500, 0.2)});
   problem.densities.push_back(1000);
@@ -112,14 +112,15 @@ TEST_P(EveryMethod, MassAndMomentum) {
   }
 }
 
-// The same bits for any number of threads.
+// The same bits for any number of threads; enough particles for threads to be used.
 TEST_P(EveryMethod, ThreadsChangeNothing) {
   std::vector<std::vector<Vector<2>>> results;
   for (const int threads : {1, 2, 3}) {
-    Problem<2> problem = collision(GetParam());
+    Problem<2> problem = collision(GetParam(), 16);
     problem.threads = threads;
     Simulation<2> simulation(problem);
-    run_steps(simulation, 60, 0.01);
+    ASSERT_GE(problem.particles.size(), 2000u);
+    run_steps(simulation, 12, 0.01);
     results.push_back(simulation.particles().x);
     results.push_back(simulation.particles().v);
   }

@@ -1,14 +1,11 @@
 // Materials: how strain becomes stress and strain energy.
 //
-// A material is a type with
-//     update(F, L, dt, stress, energy)       Cauchy stress and strain energy per reference volume
-//                                            after a step dt with velocity gradient L that led to F
-//     lambda, mu                             Lame's constants, force / area, for the wave speed
 // In 1-D and 2-D the other directions do not strain (uniaxial strain, plane strain).
 #pragma once
 
 #include <Eigen/LU>
 #include <cmath>
+#include <concepts>
 #include <variant>
 
 #include "recon/core/error.hpp"
@@ -30,6 +27,16 @@ struct Lame {
   double bar_wave_speed(double density) const {
     return std::sqrt(mu * (3 * lambda + 2 * mu) / (lambda + mu) / density);
   }
+};
+
+// update() turns Cauchy stress (force / area) and strain energy per reference volume into those
+// after a step dt with the velocity gradient L (1 / time) that led to the deformation gradient F.
+// Lame's constants are for the speed of waves.
+template <class M>
+concept MaterialModel = std::derived_from<M, Lame> &&
+    requires(const M& material, const Matrix<2>& F, const Matrix<2>& L, double dt,
+             Matrix<2>& stress, double& energy) {
+  { material.template update<2>(F, L, dt, stress, energy) } -> std::same_as<void>;
 };
 
 // sigma = (lambda ln J I + mu (F F^T - I)) / J,
@@ -58,6 +65,8 @@ struct LinearElastic : Lame {
     energy += dt * F.determinant() * ((before + stress) / 2).cwiseProduct(d).sum();
   }
 };
+
+static_assert(MaterialModel<NeoHookean> && MaterialModel<LinearElastic>);
 
 using Material = std::variant<NeoHookean, LinearElastic>;
 
