@@ -172,6 +172,45 @@ TEST_F(MpmFiles, BodiesOfAllShapes) {
               HasSubstr("wkt"));
 }
 
+// A constant body force is gravity, and one of time is integrated in time.
+TEST_F(MpmFiles, BodyForceByExpression) {
+  const auto momentum = [&](const std::string& loads) {
+    EXPECT_EQ(message(good + loads), "");
+    auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+    for (auto& v : file.problem.particles.v) v.setZero();
+    for (auto& L : file.problem.particles.L) L.setZero();
+    Simulation<2> simulation(file.problem);
+    for (int s = 0; s < 10; ++s) {
+      simulation.map();
+      simulation.advance(0.01);
+    }
+    Vector<2> sum = Vector<2>::Zero();
+    for (std::size_t p = 0; p < simulation.particles().size(); ++p)
+      sum += simulation.particles().mass[p] * simulation.particles().v[p];
+    return sum;
+  };
+  const double mass = 40;  // velocities are those of t = 0.095
+  const Vector<2> gravity = momentum("[loads]\ngravity = [0.5, -1.0]\n");
+  const Vector<2> force = momentum("[loads]\nbody_force = [\"1 / 2\", -1]\n");
+  EXPECT_LE((gravity - mass * 0.095 * Vector<2>(0.5, -1)).norm(), 1e-12 * mass);
+  EXPECT_LE((force - gravity).norm(), 1e-12 * mass);
+  const Vector<2> growing = momentum("[constants]\na = 3\n[loads]\nbody_force = [\"a * t\", 0]\n");
+  double expected = 0;  // kicks: half a step at t = 0, then whole ones at 0.01, ..., 0.09
+  for (int s = 1; s < 10; ++s) expected += 0.01 * 3 * 0.01 * s;
+  EXPECT_NEAR(growing[0], mass * expected, 1e-12 * mass);
+}
+
+TEST_F(MpmFiles, BoundaryVelocities) {
+  EXPECT_EQ(message(with("kind = \"fixed\"", "kind = \"velocity\"\nvelocity = [0.5, \"free\"]")),
+            "");
+  const auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+  const Boundary<2>& boundary = file.problem.boundaries.front();
+  EXPECT_EQ(boundary.velocity[0], 0.5);
+  EXPECT_FALSE(boundary.velocity[1].has_value());
+  EXPECT_THAT(message(with("kind = \"fixed\"", "kind = \"velocity\"\nvelocity = [0.5, \"fre\"]")),
+              HasSubstr("a number or \"free\""));
+}
+
 // A pressure on a side acts on the area of that side.
 TEST_F(MpmFiles, PressureAddsUpToForce) {
   EXPECT_EQ(message(good + "[[pressure]]\nside = \"x_upper\"\nmagnitude = 3\n"), "");
