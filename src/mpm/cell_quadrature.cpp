@@ -79,7 +79,6 @@ void integrate_cells(const Grid<D>& grid, const Cells<D>& cells, Nodes<D>& nodes
   const bool body_force = cells.values.cols() > 1 + stresses;
   const StructuredGrid<double> centres = cell_centres(grid.nodes());
   const double volume = std::pow(grid.h(), D), slope = 2 / (grid.h() * corner_count);
-  std::fill(nodes.mass.begin(), nodes.mass.end(), 0.0);
   for (std::size_t c = 0; c < cells.fill.size(); ++c) {
     if (!(cells.fill[c] > 0)) continue;
     const auto row = cells.values.row(static_cast<Eigen::Index>(c));

@@ -14,7 +14,7 @@ namespace recon::mpm {
 template <int D>
 void fit_cells(const Problem<D>& problem, const std::vector<Vector<D>>& b, Cells<D>& cells);
 
-// Sets the nodes' mass and adds to their force.
+// Adds to the nodes' mass and force.
 template <int D>
 void integrate_cells(const Grid<D>& grid, const Cells<D>& cells, Nodes<D>& nodes);
 

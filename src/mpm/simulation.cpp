@@ -112,7 +112,6 @@ void Simulation<D>::scatter(DomainPolicy domain) {
           }
         } else {
           for (std::size_t k = 0; k < shape.size(); ++k) {
-            nodes_.mass[shape.node[k]] += shape.S[k] * mass;
             nodes_.momentum[shape.node[k]] += shape.S[k] * momentum;
           }
         }

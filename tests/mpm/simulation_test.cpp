@@ -74,10 +74,6 @@ Problem<2> collision(const std::string& method, int per_cell = 2) {
   return problem;
 }
 
-double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
 // Mass always; momentum with the mass-weighted map, whose nodes have the particles' momentum. For
 // fitted maps the defect is what the ledger says, and the correction takes it away.
 TEST_P(EveryMethod, MassAndMomentum) {

@@ -15,6 +15,8 @@
 // algorithmic error.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <optional>
 
 #include "recon/mpm/simulation.hpp"
@@ -30,6 +32,11 @@ struct Ledger {
 
   double total() const { return kinetic + strain; }
 };
+
+// Between two momenta.
+inline double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
 
 // The account of what map() left. Errors of energy are those since `start`; zero without.
 template <int D>

@@ -300,7 +300,7 @@ class Report {
           of_particles += simulation.particles().mass[p] * simulation.particles().v[p].norm();
         for (std::size_t i = 0; i < simulation.nodes().mass.size(); ++i)
           of_nodes += simulation.nodes().mass[i] * simulation.nodes().mapped[i].norm();
-        defect = std::max(defect, distance(now.momentum, now.node_momentum));
+        defect = std::max(defect, mpm::distance(now.momentum, now.node_momentum));
         largest = std::max(largest, of_particles);
         for (Curve* curve : {&kinetic, &strain, &total, &particles, &nodes})
           curve->x.push_back(now.time);
@@ -317,7 +317,7 @@ class Report {
     const double first = total.y.front();
     text_ +=
         "| " + method + " | " + number(defect / largest, 3) + " | " +
-        number(distance(now.momentum, start->momentum) / largest, 3) + " | " +
+        number(mpm::distance(now.momentum, start->momentum) / largest, 3) + " | " +
         (std::abs(start->angular[2]) > 1e-9 * start->mass
              ? number((now.angular[2] - expected_angular(simulation, *start)) / start->angular[2],
                       3)
@@ -346,10 +346,6 @@ class Report {
     } else {
       return start.angular[2];
     }
-  }
-
-  static double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
   }
 
   const Options& options_;
