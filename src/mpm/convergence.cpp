@@ -24,7 +24,8 @@ void add_rows(const Problem<D>& problem, const std::vector<double>& times,
     ConvergenceRow at = row;
     at.h = problem.grid.h();
     at.time = part * problem.time.end;
-    std::vector<FieldError> found{{"displacement"}, {"velocity"}, {"density"}, {"stress"}};
+    std::vector<FieldError> found;
+    for (const char* field : error_fields) found.push_back({field});
     if (failure.empty()) {
       try {
         run_until(simulation, at.time);

@@ -6,8 +6,6 @@ namespace recon::mpm {
 
 namespace {
 
-constexpr const char* fields[] = {"displacement", "velocity", "density", "stress"};
-
 // |e_p|^2 of all fields.
 template <int D>
 std::array<double, 4> squared_errors(const Simulation<D>& simulation, std::size_t p) {
@@ -34,7 +32,7 @@ template <int D>
 std::vector<FieldError> errors(const Simulation<D>& simulation) {
   const Particles<D>& particles = simulation.particles();
   std::vector<FieldError> found;
-  for (const char* field : fields) found.push_back({field});
+  for (const char* field : error_fields) found.push_back({field});
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const auto squared = squared_errors(simulation, p);
     for (std::size_t f = 0; f < found.size(); ++f) {
@@ -51,8 +49,8 @@ std::vector<FieldError> errors(const Simulation<D>& simulation) {
 
 template <int D>
 double error_of(const Simulation<D>& simulation, std::size_t particle, const std::string& field) {
-  for (std::size_t f = 0; f < std::size(fields); ++f)
-    if (field == fields[f]) return std::sqrt(squared_errors(simulation, particle)[f]);
+  for (std::size_t f = 0; f < std::size(error_fields); ++f)
+    if (field == error_fields[f]) return std::sqrt(squared_errors(simulation, particle)[f]);
   recon::detail::throw_invalid("field", field, "must be displacement, velocity, density or stress");
 }
 

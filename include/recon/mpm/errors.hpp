@@ -10,8 +10,9 @@ namespace recon::mpm {
 
 // Of one field, over all particles: l2 = sqrt(sum_p |e_p|^2 V_p), V_p the current volumes
 // (Gong 2015, eq. 4.40, 4.47, 4.48), and rms = sqrt(sum_p |e_p|^2 / N) (Tran et al. 2019, eq. 47).
+inline constexpr const char* error_fields[] = {"displacement", "velocity", "density", "stress"};
 struct FieldError {
-  std::string field;  // displacement, velocity, density, stress
+  std::string field;  // one of error_fields
   double l2 = 0, rms = 0;
 };
 
@@ -20,7 +21,7 @@ struct FieldError {
 template <int D>
 std::vector<FieldError> errors(const Simulation<D>& simulation);
 
-// |e_p| of one particle; `field` is one of the names above.
+// |e_p| of one particle; `field` is one of error_fields.
 template <int D>
 double error_of(const Simulation<D>& simulation, std::size_t particle, const std::string& field);
 

@@ -3,7 +3,8 @@
 namespace recon::program {
 namespace {
 
-const std::vector<std::string> all_fields{"displacement", "velocity", "density", "stress"};
+const std::vector<std::string> all_fields(std::begin(mpm::error_fields),
+                                          std::end(mpm::error_fields));
 
 std::vector<Expectation> each(const std::vector<std::string>& methods,
                               const std::vector<std::string>& fields, bool at_least, double order) {

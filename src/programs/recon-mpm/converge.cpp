@@ -76,7 +76,6 @@ std::string or_dash(double value, const char* format) {
 
 // A block for each time: a line for each method and grid, a pair of columns for each field.
 void print_table(const std::vector<mpm::ConvergenceRow>& rows, const std::string& norm) {
-  constexpr const char* fields[] = {"displacement", "velocity", "density", "stress"};
   const auto find = [&](const mpm::ConvergenceRow& like, const char* field) {
     return *std::find_if(rows.begin(), rows.end(), [&](const mpm::ConvergenceRow& row) {
       return row.method == like.method && row.cells == like.cells && row.time == like.time &&
@@ -92,12 +91,12 @@ void print_table(const std::vector<mpm::ConvergenceRow>& rows, const std::string
     std::printf("%stime %s, %s norm\n%-14s %6s", time < 0 ? "" : "\n", number(t).c_str(),
                 norm.c_str(), "method", "cells");
     time = t;
-    for (const char* field : fields) std::printf("  %12s order", field);
+    for (const char* field : mpm::error_fields) std::printf("  %12s order", field);
     std::printf("\n");
     for (const auto& row : rows) {
-      if (row.time != t || row.norm != norm || row.field != fields[0]) continue;
+      if (row.time != t || row.norm != norm || row.field != mpm::error_fields[0]) continue;
       std::printf("%-14s %6d", row.method.c_str(), row.cells);
-      for (const char* field : fields) {
+      for (const char* field : mpm::error_fields) {
         const auto at = find(row, field);
         std::printf("  %12s %5s", or_dash(at.error, "%.3e").c_str(),
                     or_dash(at.order, "%.2f").c_str());

@@ -109,7 +109,7 @@ class Report {
     for (const std::string& method : claim.methods)
       for (const double part : times) {
         text_ += "| " + method + " | " + (part == 1 ? "T" : part == 0.25 ? "T/4" : "3T/8");
-        for (const char* field : {"displacement", "velocity", "density", "stress"})
+        for (const char* field : mpm::error_fields)
           text_ += " | " + order_text(mpm::slope(rows, method, field, claim.norm, part * end));
         text_ += " |\n";
       }
@@ -217,7 +217,7 @@ class Report {
     plot.log_x = plot.log_y = true;
     plot.reference_slope = 2;
     for (const std::string& method : claim.methods)
-      for (const char* field : {"displacement", "velocity", "density", "stress"}) {
+      for (const char* field : mpm::error_fields) {
         Curve curve{claim.methods.size() > 1 ? method + " " + field : field,
                     {},
                     {},
