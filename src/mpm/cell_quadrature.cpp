@@ -1,111 +1,158 @@
 #include "mpm/cell_quadrature.hpp"
 
+#include "mpm/add_point.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/operators/reconstruct.hpp"
 
 namespace recon::mpm {
 namespace {
 
-// The part of each cell that holds material.
 template <int D>
-std::vector<double> fill_of(const Problem<D>& problem, const StructuredGrid<double>& centres) {
-  const Grid<D>& grid = problem.grid;
-  const Particles<D>& particles = problem.particles;
-  std::vector<double> volume(centres.size());
-  const auto number = [&](const std::array<int, D>& index) {
-    std::size_t n = 0;
-    for (int d = D - 1; d >= 0; --d) n = n * centres.counts[d] + static_cast<std::size_t>(index[d]);
-    return n;
-  };
-  for (std::size_t p = 0; p < particles.size(); ++p) {
-    std::array<int, D> index;
-    for (int d = 0; d < D; ++d) index[d] = grid.cell(particles.x[p][d], d);
-    volume[number(index)] += particles.volume(p);
+std::vector<double> particle_volumes(const Problem<D>& problem) {
+  std::size_t cells = 1;
+  for (int d = 0; d < D; ++d) cells *= static_cast<std::size_t>(problem.grid.cells(d));
+  std::vector<double> volume(cells);
+  for (std::size_t p = 0; p < problem.particles.size(); ++p)
+    volume[cell_of(problem.grid, problem.particles.x[p])] += problem.particles.volume(p);
+  return volume;
+}
+
+// The cell and all its neighbours within the grid hold particles.
+template <int D>
+bool is_full(const Grid<D>& grid, const std::vector<double>& volume, std::size_t cell) {
+  std::array<int, D> at;
+  for (int d = 0; d < D; ++d) {
+    const auto cells = static_cast<std::size_t>(grid.cells(d));
+    at[d] = static_cast<int>(cell % cells);
+    cell /= cells;
   }
-  std::vector<double> fill(volume.size());
-  for (std::size_t c = 0; c < volume.size(); ++c) {
-    if (volume[c] == 0) continue;
-    const auto at = centres.index(c);
-    bool inside = true;
-    int neighbours = 1;
-    for (int d = 0; d < D; ++d) neighbours *= 3;
-    for (int n = 0; n < neighbours && inside; ++n) {
-      std::array<int, D> index;
-      bool in_grid = true;
-      for (int d = 0, rest = n; d < D; ++d, rest /= 3) {
-        index[d] = static_cast<int>(at[d]) + rest % 3 - 1;
-        in_grid = in_grid && index[d] >= 0 && index[d] < grid.cells(d);
-      }
-      inside = !in_grid || volume[number(index)] > 0;
+  int neighbours = 1;
+  for (int d = 0; d < D; ++d) neighbours *= 3;
+  for (int n = 0; n < neighbours; ++n) {
+    std::size_t number = 0, stride = 1;
+    bool in_grid = true;
+    for (int d = 0, rest = n; d < D; ++d, rest /= 3) {
+      const int index = at[d] + rest % 3 - 1;
+      in_grid = in_grid && index >= 0 && index < grid.cells(d);
+      number += stride * static_cast<std::size_t>(index);
+      stride *= static_cast<std::size_t>(grid.cells(d));
     }
-    fill[c] = inside ? 1 : std::min(1.0, volume[c] / std::pow(grid.h(), D));
+    if (in_grid && !(volume[number] > 0)) return false;
   }
+  return true;
+}
+
+template <int D>
+std::vector<double> fill_of(const Problem<D>& problem) {
+  const std::vector<double> volume = particle_volumes(problem);
+  std::vector<double> fill(volume.size());
+  for (std::size_t c = 0; c < volume.size(); ++c)
+    if (volume[c] > 0)
+      fill[c] = is_full(problem.grid, volume, c)
+                    ? 1
+                    : std::min(1.0, volume[c] / std::pow(problem.grid.h(), D));
   return fill;
+}
+
+// At degrees beyond those of moments on a grid, by neighbour lists.
+template <int D>
+void fit(const Problem<D>& problem, const FieldView<double>& field,
+         const StructuredGrid<double>& targets, Weight weight, Cells<D>& cells) {
+  const auto points = points_of(problem.particles.x);
+  if (problem.method.degree <= 2) {
+    auto made = reconstruct_on_grid(
+        points, {field}, targets,
+        {.degree = problem.method.degree, .weight = weight, .threads = problem.threads});
+    cells.fit = made.report();
+    cells.values = std::move(made).values();
+    return;
+  }
+  const auto nodes = targets.nodes();
+  const Reconstruction made = reconstruct(points, nodes.view(),
+                                          {.degree = problem.method.degree,
+                                           .weight = Weight::cubic_b_spline,
+                                           .form = WeightForm::tensor_product,
+                                           .neighbours = Radius{2 * problem.grid.h()},
+                                           .threads = problem.threads});
+  cells.values.resize(static_cast<Eigen::Index>(targets.size()), field.components());
+  made.apply(field, field_of(cells.values));
+  cells.fit = made.report();
 }
 
 }  // namespace
 
 template <int D>
-void fit_cells(const Problem<D>& problem, const std::vector<Vector<D>>& b, Cells<D>& cells) {
+QuadratureData<D>::QuadratureData(const Problem<D>& problem, const std::vector<Vector<D>>& b,
+                                  bool momentum)
+    : columns_(1 + D * (D + 1) / 2 + (b.empty() ? 0 : D) + (momentum ? D : 0)) {
   const Particles<D>& particles = problem.particles;
-  constexpr int stresses = D * (D + 1) / 2;
-  const int columns = 1 + stresses + (b.empty() ? 0 : D);
-  std::vector<double> data(particles.size() * static_cast<std::size_t>(columns));
+  data_.resize(particles.size() * static_cast<std::size_t>(columns_));
   parallel_blocks(particles.size(), 4096, problem.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      double* out = data.data() + p * static_cast<std::size_t>(columns);
-      *out++ = particles.density(p);
+      double* out = data_.data() + p * static_cast<std::size_t>(columns_);
+      const double density = particles.density(p);
+      *out++ = density;
       for (int r = 0; r < D; ++r)
         for (int c = r; c < D; ++c) *out++ = particles.stress[p](r, c);
       for (int d = 0; d < D && !b.empty(); ++d) *out++ = b[p][d];
+      for (int d = 0; d < D && momentum; ++d) *out++ = density * particles.v[p][d];
     }
   });
-  const FieldView<double> field(particles.size(), columns, data.data(),
-                                columns * static_cast<std::ptrdiff_t>(sizeof(double)),
-                                sizeof(double));
-  const StructuredGrid<double> centres = cell_centres(problem.grid.nodes());
-  auto fit = reconstruct_on_grid(points_of(particles.x), {field}, centres,
-                                 {.degree = problem.method.degree,
-                                  .weight = Weight::quadratic_b_spline,
-                                  .threads = problem.threads});
-  cells.fit = fit.report();
-  cells.fill = fill_of(problem, centres);
-  cells.values = std::move(fit).values();
 }
 
 template <int D>
-void integrate_cells(const Grid<D>& grid, const Cells<D>& cells, Nodes<D>& nodes) {
-  constexpr int corner_count = 1 << D;
-  constexpr int stresses = D * (D + 1) / 2;
-  const bool body_force = cells.values.cols() > 1 + stresses;
-  const StructuredGrid<double> centres = cell_centres(grid.nodes());
-  const double volume = std::pow(grid.h(), D), slope = 2 / (grid.h() * corner_count);
+FieldView<double> QuadratureData<D>::field() const {
+  return {data_.size() / static_cast<std::size_t>(columns_), columns_, data_.data(),
+          columns_ * static_cast<std::ptrdiff_t>(sizeof(double)), sizeof(double)};
+}
+
+template <int D>
+std::vector<double> full_cells(const Problem<D>& problem) {
+  const std::vector<double> volume = particle_volumes(problem);
+  std::vector<double> full(volume.size());
+  for (std::size_t c = 0; c < volume.size(); ++c)
+    full[c] = volume[c] > 0 && is_full(problem.grid, volume, c) ? 1 : 0;
+  return full;
+}
+
+template <int D>
+void integrate_cells(const Problem<D>& problem, const std::vector<Vector<D>>& b, Cells<D>& cells,
+                     Nodes<D>& nodes) {
+  const Grid<D>& grid = problem.grid;
+  const bool at_nodes = problem.method.quadrature == Quadrature::nodal_cells;
+  const QuadratureData<D> data(problem, b, false);
+  fit(problem, data.field(), at_nodes ? grid.nodes() : cell_centres(grid.nodes()),
+      at_nodes ? Weight::cubic_b_spline : Weight::quadratic_b_spline, cells);
+  cells.fill = fill_of(problem);
+
+  const CellPoints<D> points(grid, at_nodes ? 2 : 1);
+  const PointDomain linear;
+  ShapeFunctions<D> shape;
+  std::vector<double> values(static_cast<std::size_t>(data.columns()));
   for (std::size_t c = 0; c < cells.fill.size(); ++c) {
     if (!(cells.fill[c] > 0)) continue;
-    const auto row = cells.values.row(static_cast<Eigen::Index>(c));
-    const double part = cells.fill[c] * volume;
-    Matrix<D> stress;
-    for (int r = 0, k = 1; r < D; ++r)
-      for (int s = r; s < D; ++s, ++k) stress(r, s) = stress(s, r) = row[k];
-    Vector<D> push = Vector<D>::Zero();
-    for (int d = 0; d < D && body_force; ++d) push[d] = row[0] * row[1 + stresses + d];
-    const auto at = centres.index(c);
-    for (int a = 0; a < corner_count; ++a) {
-      std::array<int, D> index;
-      Vector<D> gradient;
-      for (int d = 0; d < D; ++d) {
-        index[d] = static_cast<int>(at[d]) + (a >> d & 1);
-        gradient[d] = a >> d & 1 ? slope : -slope;
+    for (std::size_t g = 0; g < points.per_cell(); ++g) {
+      detail::tensor_product<D>(grid, linear.axes(grid, points.at(c, g)), shape);
+      for (int k = 0; k < data.columns(); ++k) {
+        double& value = values[static_cast<std::size_t>(k)];
+        if (!at_nodes) {
+          value = cells.values(static_cast<Eigen::Index>(c), k);
+          continue;
+        }
+        value = 0;
+        for (std::size_t n = 0; n < shape.size(); ++n)
+          value += shape.S[n] * cells.values(shape.node[n], k);
       }
-      const std::uint32_t i = grid.number(index);
-      nodes.mass[i] += part * row[0] / corner_count;
-      nodes.force[i] += part * (push / corner_count - stress * gradient);
+      add_point(shape, cells.fill[c] * points.volume(), values.data(), !b.empty(), false, nodes);
     }
   }
 }
 
-#define RECON_INSTANTIATE(D)                                                            \
-  template void fit_cells(const Problem<D>&, const std::vector<Vector<D>>&, Cells<D>&); \
-  template void integrate_cells(const Grid<D>&, const Cells<D>&, Nodes<D>&);
+#define RECON_INSTANTIATE(D)                                                                 \
+  template class QuadratureData<D>;                                                          \
+  template std::vector<double> full_cells(const Problem<D>&);                                \
+  template void integrate_cells(const Problem<D>&, const std::vector<Vector<D>>&, Cells<D>&, \
+                                Nodes<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

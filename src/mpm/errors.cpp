@@ -14,7 +14,7 @@ std::array<double, 4> squared_errors(const Simulation<D>& simulation, std::size_
   require(problem.exact != nullptr, "problem", problem.title, "has no exact solution");
   const double t = simulation.time();
   const auto now = problem.exact->at(particles.X[p], t);
-  const auto before = problem.exact->at(particles.X[p], t - simulation.last_step() / 2);
+  const auto before = problem.exact->at(particles.X[p], t - simulation.velocity_lag());
   Matrix<D> stress = Matrix<D>::Zero();
   double energy = 0;
   std::get<NeoHookean>(problem.materials[particles.body[p]])

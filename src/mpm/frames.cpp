@@ -103,19 +103,24 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
                column(grid.size(), D, [&](std::size_t i) { return nodes.velocity[i]; }));
   of_nodes.add("force", D, column(grid.size(), D, [&](std::size_t i) { return nodes.force[i]; }));
   if (nodes.fit.size() > 0) add_reports(of_nodes, grid.size(), nodes.fit, nodes.fit_nodes);
+  const auto add_fits = [&](FieldSet& fields, std::size_t rows) {
+    const auto row = [&](std::size_t c) { return cells.values.row(static_cast<Eigen::Index>(c)); };
+    fields.add("density", 1, column(rows, 1, [&](std::size_t c) { return double(row(c)[0]); }));
+    fields.add("stress", stresses, column(rows, stresses, [&](std::size_t c) {
+                 return Eigen::Matrix<double, stresses, 1>(row(c).segment(1, stresses).transpose());
+               }));
+  };
+  const Quadrature quadrature = simulation.problem().method.quadrature;
+  if (quadrature == Quadrature::nodal_cells) add_fits(of_nodes, grid.size());
   write_vti(folder / file_name(name, "nodes", number, ".vti"), grid.nodes(), of_nodes);
 
   if (!cells.fill.empty()) {
     FieldSet of_cells = fields_at(simulation.time(), simulation.steps());
-    const auto row = [&](std::size_t c) { return cells.values.row(static_cast<Eigen::Index>(c)); };
-    of_cells.add("density", 1,
-                 column(cells.fill.size(), 1, [&](std::size_t c) { return double(row(c)[0]); }));
-    of_cells.add(
-        "stress", stresses, column(cells.fill.size(), stresses, [&](std::size_t c) {
-          return Eigen::Matrix<double, stresses, 1>(row(c).segment(1, stresses).transpose());
-        }));
+    if (quadrature == Quadrature::cells) {
+      add_fits(of_cells, cells.fill.size());
+      add_reports(of_cells, cells.fill.size(), cells.fit, {});
+    }
     of_cells.add("fill", 1, cells.fill);
-    add_reports(of_cells, cells.fill.size(), cells.fit, {});
     write_vti(folder / file_name(name, "cells", number, ".vti"), cell_centres(grid.nodes()),
               of_cells);
   }

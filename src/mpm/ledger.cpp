@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "mpm/polynomial_modes.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon::mpm {
@@ -24,6 +25,14 @@ void add_angular(std::array<double, 3>& sum, const Vector<D>& x, const Vector<D>
   }
 }
 
+// V sigma : epsilon / 2 with epsilon the strain that goes with sigma by Hooke's law in plane strain.
+template <int D>
+double linear_strain_energy(const Lame& elastic, const Matrix<D>& stress, double volume) {
+  const double trace = stress.trace();
+  const double compressed = elastic.lambda / (D * elastic.lambda + 2 * elastic.mu) * trace;
+  return volume * (stress.squaredNorm() - compressed * trace) / (4 * elastic.mu);
+}
+
 void add(std::array<double, 3>& sum, const std::array<double, 3>& value) {
   for (int d = 0; d < 3; ++d) sum[d] += value[d];
 }
@@ -35,17 +44,20 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const Problem<D>& problem = simulation.problem();
   const Particles<D>& particles = simulation.particles();
   const Nodes<D>& nodes = simulation.nodes();
-  const double half = simulation.last_step() / 2;
+  const double half = simulation.velocity_lag();
+
+  const VelocityMap map = problem.method.velocity;
+  const auto moments = static_cast<std::size_t>(moment_count(map, D));
 
   // Sums of blocks, added in their order.
   std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
-  with_domain(problem.method.domain, [&](auto domain) {
+  with_shape(problem.method, [&](auto shape_of) {
     parallel_blocks(particles.size(), particles_per_block, problem.threads,
                     [&](std::size_t begin, std::size_t end) {
                       Ledger& sum = blocks[begin / particles_per_block];
                       ShapeFunctions<D> shape;
                       for (std::size_t p = begin; p < end; ++p) {
-                        domain.shape(problem.grid, particles, p, shape);
+                        shape_of.shape(problem.grid, particles, p, shape);
                         const double m = particles.mass[p];
                         const Vector<D> momentum = m * particles.v[p];
                         const Vector<D> now =
@@ -53,8 +65,15 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
                         sum.mass += m;
                         add<D>(sum.momentum, momentum);
                         add_angular<D>(sum.angular, particles.x[p], momentum);
+                        for (int d = 0; d < D && moments > 0; ++d)
+                          add_angular<D>(
+                              sum.angular, Vector<D>::Unit(d),
+                              m * particles.moments[p * moments + linear_moment(map, d)]);
                         sum.kinetic += m * now.squaredNorm() / 2;
                         sum.strain += particles.energy[p];
+                        sum.linear_strain += linear_strain_energy(
+                            lame(problem.materials[particles.body[p]]), particles.stress[p],
+                            particles.volume(p));
                       }
                     });
   });
@@ -67,16 +86,35 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
     add(ledger.angular, block.angular);
     ledger.kinetic += block.kinetic;
     ledger.strain += block.strain;
+    ledger.linear_strain += block.linear_strain;
   }
+  // M v of a velocity v.
+  const auto momenta = [&](const auto& velocity) {
+    std::vector<Vector<D>> all(nodes.mass.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = nodes.mass[i] * velocity(i);
+    if (nodes.mass_matrix.size() == 0) return all;
+    Eigen::VectorXd component(nodes.mass_matrix.cols());
+    for (int d = 0; d < D; ++d) {
+      for (Eigen::Index i = 0; i < component.size(); ++i)
+        component[i] = velocity(static_cast<std::size_t>(i))[d];
+      const Eigen::VectorXd product = nodes.mass_matrix * component;
+      for (Eigen::Index i = 0; i < component.size(); ++i)
+        all[static_cast<std::size_t>(i)][d] = product[i];
+    }
+    return all;
+  };
+  const auto mapped = [&](std::size_t i) -> Vector<D> { return nodes.mapped[i]; };
+  const auto now = [&](std::size_t i) -> Vector<D> {
+    return nodes.velocity[i] + half * nodes.acceleration[i];
+  };
+  const std::vector<Vector<D>> mapped_momentum = momenta(mapped), momentum_now = momenta(now);
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
-    if (!(nodes.mass[i] > 0)) continue;
-    const Vector<D> momentum = nodes.mass[i] * nodes.mapped[i];
-    const Vector<D> now = nodes.velocity[i] + half * nodes.acceleration[i];
     ledger.node_mass += nodes.mass[i];
-    add<D>(ledger.node_momentum, momentum);
-    add_angular<D>(ledger.node_angular, problem.grid.position(i), momentum);
-    ledger.node_kinetic += nodes.mass[i] * now.squaredNorm() / 2;
+    add<D>(ledger.node_momentum, mapped_momentum[i]);
+    add_angular<D>(ledger.node_angular, problem.grid.position(i), mapped_momentum[i]);
+    ledger.node_kinetic += momentum_now[i].dot(now(i)) / 2;
   }
+  ledger.negative_nodes = nodes.negative;
   ledger.interpolation_error = ledger.node_kinetic - ledger.kinetic;
   ledger.algorithmic_error = -(ledger.node_kinetic + ledger.strain);
   const Ledger& from = start ? *start : ledger;
@@ -90,7 +128,8 @@ std::string ledger_header() {
          "y,"
          "node_momentum_z,angular_x,angular_y,angular_z,node_angular_x,node_angular_y,node_angular_"
          "z,"
-         "kinetic,node_kinetic,strain,total,interpolation_error,algorithmic_error";
+         "kinetic,node_kinetic,strain,total,interpolation_error,algorithmic_error,linear_strain,"
+         "negative_nodes";
 }
 
 std::string ledger_row(const Ledger& ledger) {
@@ -107,7 +146,8 @@ std::string ledger_row(const Ledger& ledger) {
        {&ledger.momentum, &ledger.node_momentum, &ledger.angular, &ledger.node_angular})
     for (const double value : *each) put(value);
   for (const double value : {ledger.kinetic, ledger.node_kinetic, ledger.strain, ledger.total(),
-                             ledger.interpolation_error, ledger.algorithmic_error})
+                             ledger.interpolation_error, ledger.algorithmic_error,
+                             ledger.linear_strain, static_cast<double>(ledger.negative_nodes)})
     put(value);
   return row;
 }

@@ -1,25 +1,54 @@
 #include "recon/mpm/method.hpp"
 
-#include <array>
-
 #include "recon/core/names.hpp"
 
 namespace recon::mpm {
 
 std::span<const Method> methods() {
+  using enum Domain;
   using enum VelocityMap;
   using enum Quadrature;
-  static const std::array<Method, 9> table{{
-      {"mpm", Domain::point, mass_weighted, particles, "Sulsky, Chen, Schreyer 1994"},
-      {"ugimp", Domain::ugimp, mass_weighted, particles, "Bardenhagen, Kober 2004"},
-      {"cpgimp", Domain::cpgimp, mass_weighted, particles, "Bardenhagen, Kober 2004"},
-      {"cpdi1", Domain::cpdi1, mass_weighted, particles, "Sadeghirad, Brannon, Burghardt 2011"},
-      {"cpdi2", Domain::cpdi2, mass_weighted, particles, "Sadeghirad, Brannon, Guilkey 2013"},
-      {"impm", Domain::point, mls, cells, "Gong 2015, chapter 5"},
-      {"improved_cpdi", Domain::cpdi2, mls, particles, "Gong 2015, section 6.6"},
-      {"imls_mpm", Domain::point, imls, particles, "Tran, Berzins, Solowski 2019"},
-      {"cpls", Domain::cpdi1, cpls, particles, "Tran, Solowski, Berzins, Guilkey 2019"},
-  }};
+  using enum Update;
+  using enum Basis;
+  constexpr Domain box = ugimp;
+  static const std::vector<Method> table{
+      {"mpm", point, linear, mass_weighted, particles, flip, "Sulsky, Chen, Schreyer 1994"},
+      {"ugimp", ugimp, linear, mass_weighted, particles, flip, "Bardenhagen, Kober 2004"},
+      {"cpgimp", cpgimp, linear, mass_weighted, particles, flip, "Bardenhagen, Kober 2004"},
+      {"cpdi1", cpdi1, linear, mass_weighted, particles, flip,
+       "Sadeghirad, Brannon, Burghardt 2011"},
+      {"cpdi2", cpdi2, linear, mass_weighted, particles, flip, "Sadeghirad, Brannon, Guilkey 2013"},
+      {"q8", point, q8, mass_weighted, particles, flip, "Andersen, Andersen 2007"},
+      {"q9", point, q9, mass_weighted, particles, flip, "Andersen, Andersen 2007"},
+      {"bspline2", point, bspline2, mass_weighted, particles, flip, "Steffen, Kirby, Berzins 2008"},
+      {"bspline3", point, bspline3, mass_weighted, particles, flip, "Andersen, Andersen 2007"},
+      {"impm", point, linear, mls, cells, flip, "Gong 2015, chapter 5"},
+      {"improved_cpdi", cpdi2, linear, mls, particles, flip, "Gong 2015, section 6.6"},
+      {"imls_mpm", point, linear, imls, particles, flip, "Tran, Berzins, Solowski 2019"},
+      {"cpls", cpdi1, linear, cpls, particles, flip, "Tran, Solowski, Berzins, Guilkey 2019"},
+      {"wls", point, linear, mls, nodal_cells, flip, "Wallstedt, Guilkey 2011"},
+      {"tls", point, bspline3, mass_weighted, taylor_cells, flip,
+       "Wobbes, Moller, Galavi, Vuik 2018"},
+      {"bspline_mls", point, bspline3, mass_weighted, gauss_cells, flip,
+       "Tran, Wobbes, Solowski, Moller, Vuik 2019"},
+      {.name = "hopic",
+       .velocity = imls,
+       .quadrature = cells,
+       .update = runge_kutta,
+       .source = "Edwards, Bridson 2012",
+       .degree = 3},
+      {"improved_projection", box, linear, taylor, particles, flip, "Wallstedt, Guilkey 2007"},
+      {"tpic", point, bspline2, taylor, particles, pic, "Nakamura, Matsumura, Mizutani 2023"},
+      {"apic", point, bspline2, affine, particles, pic, "Jiang et al. 2015"},
+      {"mls_mpm", point, mls_bspline2, affine, particles, pic, "Hu et al. 2018"},
+      {"polypic", point, bspline2, polynomial, particles, pic, "Fu et al. 2017"},
+      {"xpic", box, linear, mass_weighted, particles, xpic, "Hammerquist, Nairn 2017"},
+      {.name = "fmpm",
+       .domain = box,
+       .update = fmpm,
+       .source = "Nairn, Hammerquist 2021",
+       .order = 4},
+  };
   return table;
 }
 
@@ -32,16 +61,67 @@ const Method& method_named(std::string_view name) {
   recon::detail::throw_invalid("method", name, "is unknown; " + suggest(name, names));
 }
 
+void Method::validate(int dimension) const {
+  const bool cell_fits = quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
+  const bool gauss =
+      quadrature == Quadrature::taylor_cells || quadrature == Quadrature::gauss_cells;
+  const bool elements = basis == Basis::q8 || basis == Basis::q9;
+  const bool fitted = velocity == VelocityMap::mls || velocity == VelocityMap::imls ||
+                      velocity == VelocityMap::cpls;
+  const bool remembers = velocity == VelocityMap::affine || velocity == VelocityMap::polynomial;
+  const int highest = velocity == VelocityMap::imls ? 3 : 2;
+  require(degree >= 1 && degree <= highest, "degree of the method", degree,
+          highest == 3 ? "must be 1, 2 or 3" : "must be 1 or 2; 3 needs the velocity map imls");
+  require(order >= 1 && order <= 1000, "order of the method", order, "must be from 1 to 1000");
+  require(domain == Domain::point || basis == Basis::linear, "basis of the method", name_of(basis),
+          "needs point particles: domains are averages of linear functions");
+  require(basis != Basis::q8 || dimension == 2, "basis of the method", "q8",
+          "is for 2-D; q9 is for any dimension");
+  require(!cell_fits || basis == Basis::linear, "basis of the method", name_of(basis),
+          "does not go with quadrature over cell centres or nodes, which is for linear functions");
+  require(!gauss || (domain == Domain::point && !elements && basis != Basis::mls_bspline2),
+          "quadrature of the method", name_of(quadrature),
+          "is for point particles in a linear or spline basis");
+  require(!gauss || velocity == VelocityMap::mass_weighted, "velocity map of the method",
+          name_of(velocity), "does not go with a quadrature that reconstructs momentum itself");
+  require(!remembers || (domain == Domain::point && !elements), "velocity map of the method",
+          name_of(velocity),
+          "needs point particles and functions that are positive products: linear or splines");
+  require(!remembers || update == Update::pic, "update of the method", name_of(update),
+          "does not fill the moments that affine and polynomial maps need; pic does");
+  require(mass == MassMatrix::lumped || (!cell_fits && !fitted), "mass matrix of the method",
+          "consistent", "is for mass-weighted velocities and mass from particles or Gauss points");
+  require(mass == MassMatrix::lumped || update == Update::flip || update == Update::pic,
+          "update of the method", name_of(update), "is for lumped mass");
+}
+
+namespace {
+template <std::size_t count, class Enum>
+std::string_view name_in(const std::string_view (&names)[count], Enum value) {
+  return names[static_cast<std::size_t>(value)];
+}
+}  // namespace
+
 std::string_view name_of(Domain domain) {
-  constexpr std::string_view names[] = {"point", "ugimp", "cpgimp", "cpdi1", "cpdi2"};
-  return names[static_cast<int>(domain)];
+  return name_in({"point", "ugimp", "cpgimp", "cpdi1", "cpdi2"}, domain);
+}
+std::string_view name_of(Basis basis) {
+  return name_in({"linear", "q8", "q9", "bspline2", "bspline3", "mls_bspline2"}, basis);
 }
 std::string_view name_of(VelocityMap map) {
-  constexpr std::string_view names[] = {"mass_weighted", "mls", "imls", "cpls"};
-  return names[static_cast<int>(map)];
+  return name_in({"mass_weighted", "mls", "imls", "cpls", "taylor", "affine", "polynomial"}, map);
 }
 std::string_view name_of(Quadrature quadrature) {
-  return quadrature == Quadrature::cells ? "cells" : "particles";
+  return name_in({"particles", "cells", "nodal_cells", "taylor_cells", "gauss_cells"}, quadrature);
+}
+std::string_view name_of(Update update) {
+  return name_in({"flip", "pic", "xpic", "fmpm", "runge_kutta"}, update);
+}
+std::string_view name_of(MassMatrix mass) {
+  return name_in({"lumped", "consistent"}, mass);
+}
+std::string_view name_of(SplineBorder border) {
+  return name_in({"corrected", "extra_column", "linear_cells"}, border);
 }
 
 }  // namespace recon::mpm

@@ -25,8 +25,11 @@ void Problem<D>::validate() const {
   require(materials.size() == densities.size(), "densities", densities.size(),
           "must be one for each material");
   require(gravity.allFinite(), "gravity", gravity.transpose(), "must be finite");
-  require(method.degree == 1 || method.degree == 2, "degree of the method", method.degree,
-          "must be 1 or 2");
+  method.validate(D);
+  if (method.basis == Basis::q8 || method.basis == Basis::q9)
+    for (int d = 0; d < D; ++d)
+      require(grid.cells(d) % 2 == 0, "cells of the grid along an axis", grid.cells(d),
+              "must be even with elements of 2 x 2 cells");
   for (const double density : densities)
     require(density > 0 && std::isfinite(density), "density", density,
             "must be positive and finite");

@@ -44,6 +44,11 @@ const Words known_keys{"title",
                        "method.name",
                        "method.degree",
                        "method.momentum_correction",
+                       "method.basis",
+                       "method.order",
+                       "method.mass",
+                       "method.spline_border",
+                       "method.negative_mass",
                        "time.end",
                        "time.rule",
                        "time.courant",
@@ -148,9 +153,30 @@ class Reader {
     Words names;
     for (const Method& each : methods()) names.push_back(each.name);
     chosen = method_named(method.choice("name", names, true));
-    chosen.degree = method.integer("degree", chosen.degree, 1, 2);
+    chosen.degree = method.integer("degree", chosen.degree, 1, 3);
+    chosen.order = method.integer("order", chosen.order, 1, 1000);
     chosen.momentum_correction = method.boolean("momentum_correction", false);
+    choose(method, "basis", chosen.basis, {Basis::linear, Basis::q8, Basis::q9, Basis::bspline2,
+                                           Basis::bspline3, Basis::mls_bspline2});
+    choose(method, "mass", chosen.mass, {MassMatrix::lumped, MassMatrix::consistent});
+    choose(method, "spline_border", chosen.border,
+           {SplineBorder::corrected, SplineBorder::extra_column, SplineBorder::linear_cells});
+    chosen.stop_at_negative_mass =
+        method.choice("negative_mass", Words{"report", "stop"}) == "stop";
     method.finish();
+    checked(method, "name", [&] { chosen.validate(D); });
+  }
+
+  // One of `values` by its name; without the key it stays as it is.
+  template <class Enum>
+  static void choose(const TomlTable& table, std::string_view key, Enum& value,
+                     std::initializer_list<Enum> values) {
+    if (!table.has(key)) return;
+    Words names;
+    for (const Enum each : values) names.emplace_back(name_of(each));
+    const std::string chosen = table.choice(key, names);
+    for (const Enum each : values)
+      if (name_of(each) == chosen) value = each;
   }
 
   // The material of `table`, or that of the whole file.

@@ -126,6 +126,8 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   }
   result.steps = simulation.steps();
   result.time = simulation.time();
+  result.negative_mass = simulation.negative_mass();
+  result.sign_change = simulation.sign_change();
   result.frames = state.frame_times.size();
   return result;
 }

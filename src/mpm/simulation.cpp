@@ -4,6 +4,9 @@
 #include <limits>
 
 #include "mpm/cell_quadrature.hpp"
+#include "mpm/gauss_quadrature.hpp"
+#include "mpm/mass_matrix.hpp"
+#include "mpm/polynomial_modes.hpp"
 #include "mpm/scatter.hpp"
 #include "mpm/velocity_fit.hpp"
 #include "recon/core/parallel.hpp"
@@ -16,13 +19,44 @@ constexpr std::size_t fewest_for_threads =
     2000;                                // a step of fewer is over before threads have started
 constexpr double lightest_node = 1e-10;  // of the heaviest
 
+bool is_gauss(Quadrature quadrature) {
+  return quadrature == Quadrature::taylor_cells || quadrature == Quadrature::gauss_cells;
+}
+bool is_cell(Quadrature quadrature) {
+  return quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
+}
+
+// Policies that are products of functions of the axes.
+template <int D, class Shape>
+constexpr bool has_axes = requires(const Shape& shape, const Grid<D>& grid, const Vector<D>& x) {
+  shape.template axes<D>(grid, x);
+};
+
+template <int D>
+struct Scratch {
+  ShapeFunctions<D> shape;
+  PolynomialModes<D> modes;
+  std::vector<Vector<D>> velocity;  // that the particle shows to each of its nodes
+};
+
+// sum_r b_r s_r / norm_r at all nodes is added to `velocity`.
+template <int D>
+void add_modes(const PolynomialModes<D>& modes, const Vector<D>* moments,
+               std::vector<Vector<D>>& velocity) {
+  for (int r = 0; r < modes.count(); ++r) {
+    if (modes.norm(r) == 0) continue;
+    const Vector<D> factor = moments[r] / modes.norm(r);
+    for (std::size_t n = 0; n < velocity.size(); ++n) velocity[n] += modes.value(r, n) * factor;
+  }
+}
+
 }  // namespace
 
-Failure::Failure(std::int64_t step, std::size_t particle, const std::string& what)
-    : std::runtime_error("step " + std::to_string(step) + ", particle " + std::to_string(particle) +
-                         ": " + what),
+Failure::Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what)
+    : std::runtime_error("step " + std::to_string(step) + ", " + place + " " +
+                         std::to_string(number) + ": " + what),
       step_(step),
-      particle_(particle) {}
+      number_(number) {}
 
 template <int D>
 Simulation<D>::Simulation(Problem<D> problem) : problem_(std::move(problem)) {
@@ -32,6 +66,45 @@ Simulation<D>::Simulation(Problem<D> problem) : problem_(std::move(problem)) {
   if (problem_.method.domain == Domain::cpdi2 && particles.corners.empty())
     for (std::size_t p = 0; p < particles.size(); ++p)
       particles.corners.push_back(particles.domain(p));
+  with_shape(problem_.method, [&](auto shape_of) { start_moments(shape_of); });
+  find_held();
+}
+
+// Of the linear fields v_p + L_p d.
+template <int D>
+template <class Shape>
+void Simulation<D>::start_moments(Shape shape_of) {
+  if constexpr (has_axes<D, Shape>) {
+    const VelocityMap map = problem_.method.velocity;
+    const int count = moment_count(map, D);
+    Particles<D>& particles = problem_.particles;
+    if (count == 0 || !particles.moments.empty()) return;
+    particles.moments.assign(particles.size() * static_cast<std::size_t>(count), Vector<D>::Zero());
+    PolynomialModes<D> modes;
+    for (std::size_t p = 0; p < particles.size(); ++p) {
+      modes.fill(problem_.grid, shape_of.axes(problem_.grid, particles.x[p]), particles.x[p], map);
+      for (int d = 0; d < D; ++d) {
+        const int r = linear_moment(map, d);
+        particles.moments[p * static_cast<std::size_t>(count) + static_cast<std::size_t>(r)] =
+            modes.norm(r) * particles.L[p].col(d);
+      }
+    }
+  }
+}
+
+template <int D>
+void Simulation<D>::find_held() {
+  const Grid<D>& grid = problem_.grid;
+  for (const Boundary<D>& boundary : problem_.boundaries) {
+    const auto plane = static_cast<std::size_t>(
+        std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      if (grid.nodes().index(i)[boundary.axis] != plane) continue;
+      for (int d = 0; d < D; ++d)
+        if (boundary.velocity[d])
+          held_.push_back({static_cast<std::uint32_t>(i), d, *boundary.velocity[d]});
+    }
+  }
 }
 
 template <int D>
@@ -57,6 +130,7 @@ Step Simulation<D>::choose_step() const {
 template <int D>
 void Simulation<D>::map() {
   const Particles<D>& particles = problem_.particles;
+  const Method& method = problem_.method;
   acceleration_.assign(problem_.body_force ? particles.size() : 0, Vector<D>::Zero());
   if (problem_.body_force) problem_.body_force(particles, time_, problem_.threads, acceleration_);
 
@@ -64,58 +138,123 @@ void Simulation<D>::map() {
   nodes_.mass.assign(count, 0);
   nodes_.momentum.assign(count, Vector<D>::Zero());
   nodes_.force.assign(count, Vector<D>::Zero());
-  with_domain(problem_.method.domain, [&](auto domain) { scatter(domain); });
-  if (problem_.method.quadrature == Quadrature::cells) integrate_cells();
+  mass_entries_.clear();
+  if (is_gauss(method.quadrature)) {
+    cells_.fill = full_cells(problem_);
+    integrate_gauss(problem_, acceleration_, cells_.fill, nodes_,
+                    method.mass == MassMatrix::consistent ? &mass_entries_ : nullptr);
+  }
+  with_shape(method, [&](auto shape_of) { scatter(shape_of); });
+  if (is_cell(method.quadrature)) integrate_cells();
 
-  const double heaviest = *std::max_element(nodes_.mass.begin(), nodes_.mass.end());
+  double heaviest = 0;
+  for (const double mass : nodes_.mass) heaviest = std::max(heaviest, std::abs(mass));
+  const double lightest = lightest_node * heaviest;
+  watch_mass(lightest);
   nodes_.mapped.resize(count);
   nodes_.acceleration.resize(count);
   nodes_.unfitted = 0;
   for (std::size_t i = 0; i < count; ++i) {
     nodes_.mapped[i].setZero();
     nodes_.acceleration[i].setZero();
-    if (!(nodes_.mass[i] > 0)) continue;
+    if (nodes_.mass[i] == 0) continue;
     nodes_.mapped[i] = nodes_.momentum[i] / nodes_.mass[i];
     nodes_.acceleration[i] = problem_.gravity;
-    if (nodes_.mass[i] > lightest_node * heaviest)
+    if (std::abs(nodes_.mass[i]) > lightest)
       nodes_.acceleration[i] += nodes_.force[i] / nodes_.mass[i];
   }
-  if (problem_.method.velocity != VelocityMap::mass_weighted) fit_velocity();
+  if (method.mass == MassMatrix::consistent) solve_consistent();
+  if (fits_velocity(method.velocity)) fit_velocity();
   nodes_.velocity = nodes_.mapped;
   hold_boundaries();
 }
 
+// Reports the first negative mass and the first change of sign, and stops where that is asked for.
 template <int D>
-template <class DomainPolicy>
-void Simulation<D>::scatter(DomainPolicy domain) {
+void Simulation<D>::watch_mass(double lightest) {
+  nodes_.negative = 0;
+  if (problem_.method.basis != Basis::q8 && problem_.method.basis != Basis::q9) return;
+  const bool first = signs_.empty();
+  signs_.resize(nodes_.mass.size());
+  for (std::size_t i = 0; i < nodes_.mass.size(); ++i) {
+    const double mass = nodes_.mass[i];
+    const auto sign = static_cast<signed char>(mass > lightest ? 1 : mass < -lightest ? -1 : 0);
+    const NegativeMass found{steps_, i, mass};
+    if (!first && sign * signs_[i] < 0 && !sign_change_) sign_change_ = found;
+    signs_[i] = sign;
+    if (sign >= 0) continue;
+    ++nodes_.negative;
+    if (!negative_mass_) negative_mass_ = found;
+    if (problem_.method.stop_at_negative_mass)
+      throw Failure(steps_, "node", i,
+                    "its mass is negative (" + recon::detail::to_text(mass) +
+                        "): the functions of " + std::string(name_of(problem_.method.basis)) +
+                        " are negative in parts");
+  }
+}
+
+template <int D>
+void Simulation<D>::solve_consistent() {
+  const Particles<D>& particles = problem_.particles;
+  with_shape(problem_.method, [&](auto shape_of) {
+    ShapeFunctions<D> shape;
+    for (std::size_t p = 0; p < particles.size(); ++p) {
+      if (is_gauss(problem_.method.quadrature) && in_full_cell(problem_, cells_.fill, p)) continue;
+      shape_of.shape(problem_.grid, particles, p, shape);
+      add_mass(shape, particles.mass[p], mass_entries_);
+    }
+  });
+  double heaviest = 0;
+  for (const double mass : nodes_.mass) heaviest = std::max(heaviest, std::abs(mass));
+  solve_mass(mass_entries_, lightest_node * heaviest, problem_.gravity, held_, steps_, nodes_);
+}
+
+template <int D>
+template <class Shape>
+void Simulation<D>::scatter(Shape shape_of) {
   const Particles<D>& particles = problem_.particles;
   const Grid<D>& grid = problem_.grid;
-  const bool particle_quadrature = problem_.method.quadrature == Quadrature::particles;
-  const auto rows = [&](std::size_t p) {
-    const double x = particles.x[p][D - 1], reach = domain.reach(particles, p, D - 1);
-    return std::pair{grid.cell(x - reach, D - 1), grid.cell(x + reach, D - 1) + 1};
-  };
-  scatter_by_slabs<ShapeFunctions<D>>(
-      particles.size(), problem_.threads, rows, [&](std::size_t p, ShapeFunctions<D>& shape) {
-        const double volume = domain.shape(grid, particles, p, shape);
-        const double mass = particles.mass[p];
-        const Vector<D> momentum = mass * particles.v[p];
-        if (particle_quadrature) {
-          const Matrix<D> pull = -volume * particles.stress[p];
-          const Vector<D> push =
-              acceleration_.empty() ? Vector<D>::Zero() : Vector<D>(mass * acceleration_[p]);
-          for (std::size_t k = 0; k < shape.size(); ++k) {
-            const std::uint32_t i = shape.node[k];
-            nodes_.mass[i] += shape.S[k] * mass;
-            nodes_.momentum[i] += shape.S[k] * momentum;
-            nodes_.force[i] += pull * shape.G[k] + shape.S[k] * push;
-          }
-        } else {
-          for (std::size_t k = 0; k < shape.size(); ++k) {
-            nodes_.momentum[shape.node[k]] += shape.S[k] * momentum;
-          }
+  const Method& method = problem_.method;
+  const bool particle_quadrature = !is_cell(method.quadrature);
+  const bool gauss = is_gauss(method.quadrature);
+  const bool taylor = method.velocity == VelocityMap::taylor;
+  const auto moments = static_cast<std::size_t>(moment_count(method.velocity, D));
+  const auto rows = [&](std::size_t p) { return shape_of.nodes_along(grid, particles, p, D - 1); };
+  const auto add = [&](std::size_t p, Scratch<D>& scratch) {
+    if (gauss && in_full_cell(problem_, cells_.fill, p)) return;
+    ShapeFunctions<D>& shape = scratch.shape;
+    const double volume = shape_of.shape(grid, particles, p, shape);
+    const double mass = particles.mass[p];
+    if (taylor || moments > 0) {
+      scratch.velocity.assign(shape.size(), particles.v[p]);
+      if (taylor)
+        for (std::size_t k = 0; k < shape.size(); ++k)
+          scratch.velocity[k] += particles.L[p] * (grid.position(shape.node[k]) - particles.x[p]);
+      if constexpr (has_axes<D, Shape>) {
+        if (moments > 0) {
+          scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p],
+                             method.velocity);
+          add_modes(scratch.modes, &particles.moments[p * moments], scratch.velocity);
         }
-      });
+      }
+      for (std::size_t k = 0; k < shape.size(); ++k)
+        nodes_.momentum[shape.node[k]] += shape.S[k] * mass * scratch.velocity[k];
+    } else {
+      const Vector<D> momentum = mass * particles.v[p];
+      for (std::size_t k = 0; k < shape.size(); ++k)
+        nodes_.momentum[shape.node[k]] += shape.S[k] * momentum;
+    }
+    if (!particle_quadrature) return;
+    const Matrix<D> pull = -volume * particles.stress[p];
+    const Vector<D> push =
+        acceleration_.empty() ? Vector<D>::Zero() : Vector<D>(mass * acceleration_[p]);
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      const std::uint32_t i = shape.node[k];
+      nodes_.mass[i] += shape.S[k] * mass;
+      nodes_.force[i] += pull * shape.G[k] + shape.S[k] * push;
+    }
+  };
+  scatter_by_slabs<Scratch<D>>(particles.size(), problem_.threads, rows, add);
 
   ShapeFunctions<D> shape;
   for (const Load<D>& load : problem_.loads) {
@@ -124,7 +263,7 @@ void Simulation<D>::scatter(DomainPolicy domain) {
     const double magnitude = load.magnitude(time_);
     const Vector<D> follower = F.determinant() * (F.inverse().transpose() * load.area);
     const Vector<D> force = magnitude * (load.direction - follower);
-    domain.shape(grid, particles, p, shape);
+    shape_of.shape(grid, particles, p, shape);
     for (std::size_t k = 0; k < shape.size(); ++k)
       nodes_.force[shape.node[k]] += shape.S[k] * force;
   }
@@ -132,8 +271,7 @@ void Simulation<D>::scatter(DomainPolicy domain) {
 
 template <int D>
 void Simulation<D>::integrate_cells() {
-  fit_cells(problem_, acceleration_, cells_);
-  mpm::integrate_cells(problem_.grid, cells_, nodes_);
+  mpm::integrate_cells(problem_, acceleration_, cells_, nodes_);
 }
 
 template <int D>
@@ -154,72 +292,185 @@ void Simulation<D>::fit_velocity() {
 
 template <int D>
 void Simulation<D>::hold_boundaries() {
-  const Grid<D>& grid = problem_.grid;
-  for (const Boundary<D>& boundary : problem_.boundaries) {
-    const auto plane = static_cast<std::size_t>(
-        std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-      if (grid.nodes().index(i)[boundary.axis] != plane) continue;
-      for (int d = 0; d < D; ++d) {
-        if (!boundary.velocity[d]) continue;
-        nodes_.velocity[i][d] = *boundary.velocity[d];
-        nodes_.acceleration[i][d] = 0;
-      }
-    }
+  for (const HeldVelocity& held : held_) {
+    nodes_.velocity[held.node][held.axis] = held.velocity;
+    nodes_.acceleration[held.node][held.axis] = 0;
   }
+}
+
+// sum_{j < m} (1 - S+ S)^j of a velocity, zero where one is held for j > 0.
+template <int D>
+std::vector<Vector<D>> Simulation<D>::filtered(std::vector<Vector<D>> velocity) const {
+  const Particles<D>& particles = problem_.particles;
+  const Grid<D>& grid = problem_.grid;
+  std::vector<Vector<D>> left = velocity, back(velocity.size()), seen(particles.size());
+  for (int j = 1; j < problem_.method.order; ++j) {
+    std::fill(back.begin(), back.end(), Vector<D>::Zero());
+    with_shape(problem_.method, [&](auto shape_of) {
+      parallel_blocks(particles.size(), particles_per_block, problem_.threads,
+                      [&](std::size_t begin, std::size_t end) {
+                        ShapeFunctions<D> shape;
+                        for (std::size_t p = begin; p < end; ++p) {
+                          shape_of.shape(grid, particles, p, shape);
+                          seen[p] = shape.value(left);
+                        }
+                      });
+      const auto rows = [&](std::size_t p) {
+        return shape_of.nodes_along(grid, particles, p, D - 1);
+      };
+      scatter_by_slabs<ShapeFunctions<D>>(
+          particles.size(), problem_.threads, rows, [&](std::size_t p, ShapeFunctions<D>& shape) {
+            shape_of.shape(grid, particles, p, shape);
+            for (std::size_t k = 0; k < shape.size(); ++k)
+              back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen[p];
+          });
+    });
+    for (std::size_t i = 0; i < left.size(); ++i)
+      if (nodes_.mass[i] > 0) left[i] -= back[i] / nodes_.mass[i];
+    for (const HeldVelocity& held : held_) left[held.node][held.axis] = 0;
+    for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
+  }
+  return velocity;
 }
 
 // Steps 2 and 3: the momentum equation on the nodes, and what follows for the particles.
 template <int D>
 void Simulation<D>::advance(double dt) {
   require(dt > 0 && std::isfinite(dt), "time step", dt, "must be positive and finite");
-  const double kick = (last_dt_ + dt) / 2;
-  for (std::size_t i = 0; i < nodes_.velocity.size(); ++i)
-    nodes_.velocity[i] += kick * nodes_.acceleration[i];
-  with_domain(problem_.method.domain, [&](auto domain) { gather(domain, dt, kick); });
+  const Update update = problem_.method.update;
+  if (update == Update::runge_kutta) {
+    advance_runge_kutta(dt);
+  } else {
+    const double kick = (last_dt_ + dt) / 2;
+    if (update == Update::xpic) carried_ = filtered(nodes_.velocity);
+    const auto accelerate = [&](std::vector<Vector<D>>& velocity) {
+      for (std::size_t i = 0; i < velocity.size(); ++i)
+        velocity[i] += kick * nodes_.acceleration[i];
+    };
+    if (update == Update::xpic) accelerate(carried_);
+    accelerate(nodes_.velocity);
+    if (update == Update::fmpm) nodes_.velocity = filtered(std::move(nodes_.velocity));
+    if (update == Update::pic || update == Update::fmpm) carried_ = nodes_.velocity;
+    with_shape(problem_.method, [&](auto shape_of) { gather(shape_of, dt, kick); });
+  }
   time_ += dt;
   last_dt_ = dt;
   ++steps_;
 }
 
 template <int D>
-template <class DomainPolicy>
-void Simulation<D>::gather(DomainPolicy domain, double dt, double kick) {
+template <class Shape>
+void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
   Particles<D>& particles = problem_.particles;
   const Grid<D>& grid = problem_.grid;
-  parallel_blocks(particles.size(), particles_per_block, problem_.threads,
-                  [&](std::size_t begin, std::size_t end) {
-                    ShapeFunctions<D> shape;
-                    for (std::size_t p = begin; p < end; ++p) {
-                      domain.shape(grid, particles, p, shape);
-                      const Matrix<D> L = shape.gradient(nodes_.velocity);
-                      const Matrix<D> F = (Matrix<D>::Identity() + dt * L) * particles.F[p];
-                      const Vector<D> x = particles.x[p] + dt * shape.value(nodes_.velocity);
-                      if (!(F.determinant() > 0))
-                        throw Failure(steps_, p,
-                                      "its volume is no longer positive (det F = " +
-                                          recon::detail::to_text(F.determinant()) + ")");
-                      if (!x.allFinite()) throw Failure(steps_, p, "its position is not finite");
-                      if (!grid.contains(x)) {
-                        std::string at;
-                        for (int d = 0; d < D; ++d)
-                          at += (d ? ", " : "") + recon::detail::to_text(x[d]);
-                        throw Failure(steps_, p, "it left the grid at (" + at + ")");
-                      }
-                      particles.v[p] += kick * shape.value(nodes_.acceleration);
-                      particles.x[p] = x;
-                      particles.F[p] = F;
-                      particles.L[p] = L;
-                      std::visit(
-                          [&](const auto& material) {
-                            double density = particles.energy[p] / particles.volume0[p];
-                            material.update(F, L, dt, particles.stress[p], density);
-                            particles.energy[p] = density * particles.volume0[p];
-                          },
-                          problem_.materials[particles.body[p]]);
-                      domain.move(grid, particles, p, nodes_.velocity, dt);
-                    }
-                  });
+  const bool flip = problem_.method.update == Update::flip;
+  [[maybe_unused]] const VelocityMap map = problem_.method.velocity;
+  [[maybe_unused]] const auto moments = static_cast<std::size_t>(moment_count(map, D));
+  parallel_blocks(
+      particles.size(), particles_per_block, problem_.threads,
+      [&](std::size_t begin, std::size_t end) {
+        Scratch<D> scratch;
+        ShapeFunctions<D>& shape = scratch.shape;
+        for (std::size_t p = begin; p < end; ++p) {
+          shape_of.shape(grid, particles, p, shape);
+          const Matrix<D> L = shape.gradient(nodes_.velocity);
+          const Vector<D> v = flip ? shape.value(nodes_.velocity) : shape.value(carried_);
+          if constexpr (has_axes<D, Shape>) {
+            if (moments > 0) {
+              scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p], map);
+              for (int r = 0; r < scratch.modes.count(); ++r) {
+                Vector<D> sum = Vector<D>::Zero();
+                for (std::size_t k = 0; k < shape.size(); ++k)
+                  sum += shape.S[k] * scratch.modes.value(r, k) * carried_[shape.node[k]];
+                particles.moments[p * moments + static_cast<std::size_t>(r)] = sum;
+              }
+            }
+          }
+          move(p, particles.x[p] + dt * v, L, (Matrix<D>::Identity() + dt * L) * particles.F[p],
+               dt);
+          if (flip)
+            particles.v[p] += kick * shape.value(nodes_.acceleration);
+          else
+            particles.v[p] = v;
+          shape_of.move(grid, particles, p, nodes_.velocity, dt);
+        }
+      });
+}
+
+// A particle comes to x with the deformation F by the velocity gradient L.
+template <int D>
+void Simulation<D>::move(std::size_t p, const Vector<D>& x, const Matrix<D>& L, const Matrix<D>& F,
+                         double dt) {
+  Particles<D>& particles = problem_.particles;
+  if (!(F.determinant() > 0))
+    throw Failure(steps_, "particle", p,
+                  "its volume is no longer positive (det F = " +
+                      recon::detail::to_text(F.determinant()) + ")");
+  if (!x.allFinite()) throw Failure(steps_, "particle", p, "its position is not finite");
+  if (!problem_.grid.contains(x)) {
+    std::string at;
+    for (int d = 0; d < D; ++d) at += (d ? ", " : "") + recon::detail::to_text(x[d]);
+    throw Failure(steps_, "particle", p, "it left the grid at (" + at + ")");
+  }
+  particles.x[p] = x;
+  particles.F[p] = F;
+  particles.L[p] = L;
+  std::visit(
+      [&](const auto& material) {
+        double density = particles.energy[p] / particles.volume0[p];
+        material.update(F, L, dt, particles.stress[p], density);
+        particles.energy[p] = density * particles.volume0[p];
+      },
+      problem_.materials[particles.body[p]]);
+}
+
+// y' = f(y) for position, velocity and deformation; f is map() and the rates of flip.
+template <int D>
+void Simulation<D>::advance_runge_kutta(double dt) {
+  constexpr int stages = 4;
+  constexpr double part[stages] = {0.5, 0.5, 1, 0}, weight[stages] = {1, 2, 2, 1};
+  Particles<D>& particles = problem_.particles;
+  const Particles<D> start = particles;
+  const double time = time_;
+  struct Rates {
+    Vector<D> x = Vector<D>::Zero(), v = Vector<D>::Zero();
+    Matrix<D> L = Matrix<D>::Zero(), F = Matrix<D>::Zero();
+    void add(double factor, const Rates& other) {
+      x += factor * other.x;
+      v += factor * other.v;
+      L += factor * other.L;
+      F += factor * other.F;
+    }
+  };
+  std::vector<Rates> sum(particles.size());
+  for (int stage = 0; stage < stages; ++stage) {
+    const bool last = stage + 1 == stages;
+    with_shape(problem_.method, [&](auto shape_of) {
+      parallel_blocks(particles.size(), particles_per_block, problem_.threads,
+                      [&](std::size_t begin, std::size_t end) {
+                        ShapeFunctions<D> shape;
+                        for (std::size_t p = begin; p < end; ++p) {
+                          shape_of.shape(problem_.grid, particles, p, shape);
+                          Rates rates;
+                          rates.x = shape.value(nodes_.velocity);
+                          rates.v = shape.value(nodes_.acceleration);
+                          rates.L = shape.gradient(nodes_.velocity);
+                          rates.F = rates.L * particles.F[p];
+                          sum[p].add(weight[stage] / 6, rates);
+                          const Rates& to = last ? sum[p] : rates;
+                          const double step = last ? dt : part[stage] * dt;
+                          particles.stress[p] = start.stress[p];
+                          particles.energy[p] = start.energy[p];
+                          move(p, start.x[p] + step * to.x, to.L, start.F[p] + step * to.F, step);
+                          particles.v[p] = start.v[p] + step * to.v;
+                        }
+                      });
+    });
+    if (last) break;
+    time_ = time + part[stage] * dt;
+    map();
+  }
+  time_ = time;
 }
 
 template <int D>

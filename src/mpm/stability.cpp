@@ -1,6 +1,7 @@
 #include "recon/mpm/stability.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -11,22 +12,37 @@ namespace {
 
 constexpr int cells = 32;
 
-// A bar that fills the grid, held at both ends; c_p = 1, h = 1 / cells.
-Problem<1> bar(const Method& method, int per_cell) {
-  Problem<1> problem;
-  problem.grid = Grid<1>(Vector<1>(0), Vector<1>(1), 1.0 / cells);
+// A bar that fills the grid, held at both ends; c_p = 1, h = 1 / cells. In 2-D a strip between
+// rollers.
+template <int D>
+Problem<D> bar(const Method& method, int per_cell) {
+  constexpr int across = 4;
+  Problem<D> problem;
+  Vector<D> upper = Vector<D>::Constant(static_cast<double>(across) / cells);
+  upper[0] = 1;
+  problem.grid = Grid<D>(Vector<D>::Zero(), upper, 1.0 / cells);
   problem.materials = {LinearElastic{Lame{0, 0.5}}};
   problem.densities = {1};
   problem.method = method;
   problem.threads = 1;
   const double half = problem.grid.h() / (2 * per_cell);
-  for (int p = 0; p < cells * per_cell; ++p)
-    problem.particles.add(Vector<1>((2 * p + 1) * half), Matrix<1>(half), 1, 0);
-  for (const double at : {0.0, 1.0}) problem.boundaries.push_back({0, at, {0.0}});
+  const int along = cells * per_cell, count = D == 1 ? along : along * across * per_cell;
+  for (int p = 0; p < count; ++p) {
+    Vector<D> X = Vector<D>::Constant((2 * (p / along) + 1) * half);
+    X[0] = (2 * (p % along) + 1) * half;
+    problem.particles.add(X, Matrix<D>::Identity() * half, 1, 0);
+  }
+  for (int d = 0; d < D; ++d)
+    for (const double at : {0.0, upper[d]}) {
+      Boundary<D> held{d, at, {}};
+      held.velocity[static_cast<std::size_t>(d)] = 0.0;
+      problem.boundaries.push_back(held);
+    }
   return problem;
 }
 
-double energy(const Particles<1>& particles) {
+template <int D>
+double energy(const Particles<D>& particles) {
   double sum = 0;
   for (std::size_t p = 0; p < particles.size(); ++p)
     sum += particles.mass[p] * particles.v[p].squaredNorm();
@@ -34,15 +50,17 @@ double energy(const Particles<1>& particles) {
 }
 
 // Does small noise stay small?
+template <int D>
 bool stable(const Method& method, int per_cell, double courant) {
   constexpr int steps = 2000;
   constexpr double growth = 100;
-  Problem<1> problem = bar(method, per_cell);
+  Problem<D> problem = bar<D>(method, per_cell);
   std::mt19937 random(1);
   for (auto& v : problem.particles.v)
-    v[0] = 1e-9 * (static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 0.5);
+    for (double& each : v)
+      each = 1e-9 * (static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 0.5);
   const double start = energy(problem.particles);
-  Simulation<1> simulation(std::move(problem));
+  Simulation<D> simulation(std::move(problem));
   try {
     for (int s = 0; s < steps; ++s) {
       simulation.map();
@@ -55,11 +73,26 @@ bool stable(const Method& method, int per_cell, double courant) {
   return true;
 }
 
+template <int D>
+double largest_stable(const Method& method, int per_cell) {
+  double low = 0, high = 2;
+  while (high - low > 0.002) {
+    const double middle = (low + high) / 2;
+    (stable<D>(method, per_cell, middle) ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace
 
 StabilityLimit stability_limit(const Method& method, int per_cell) {
   StabilityLimit limit{method.name, per_cell};
-  Problem<1> problem = bar(method, per_cell);
+  if (method.basis == Basis::q8) {
+    limit.measured = largest_stable<2>(method, per_cell);
+    limit.W = limit.Q = limit.analytic = std::numeric_limits<double>::quiet_NaN();
+    return limit;
+  }
+  Problem<1> problem = bar<1>(method, per_cell);
   // Alternating values at the nodes, seen by the particles; alternating stresses of the cells.
   for (std::size_t p = 0; p < problem.particles.size(); ++p) {
     const double x = problem.particles.x[p][0] * cells;
@@ -74,12 +107,7 @@ StabilityLimit stability_limit(const Method& method, int per_cell) {
   if (method.quadrature == Quadrature::cells) limit.Q = simulation.cells().values(cells / 2, 1);
   limit.analytic = 1 / std::sqrt(limit.Q * (2 - limit.W));
 
-  double low = 0.2, high = 2;
-  while (high - low > 0.002) {
-    const double middle = (low + high) / 2;
-    (stable(method, per_cell, middle) ? low : high) = middle;
-  }
-  limit.measured = low;
+  limit.measured = largest_stable<1>(method, per_cell);
   return limit;
 }
 
@@ -88,7 +116,7 @@ std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, doub
   const double dt = courant / cells;
   for (int mode = 1; mode < cells; mode += 2) {
     const double k = mode * std::numbers::pi;
-    Problem<1> problem = bar(method, per_cell);
+    Problem<1> problem = bar<1>(method, per_cell);
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
       problem.particles.v[p][0] = 1e-6 * std::sin(k * problem.particles.x[p][0]);
     Simulation<1> simulation(std::move(problem));

@@ -29,8 +29,11 @@ void expect_linear_completeness(Policy policy, const Particles<D>& particles, co
       slope += shape.G[k];
       x += shape.S[k] * node;
       unit += node * shape.G[k].transpose();
-      EXPECT_GE(node[D - 1], particles.x[p][D - 1] - policy.reach(particles, p, D - 1) - grid.h());
-      EXPECT_LE(node[D - 1], particles.x[p][D - 1] + policy.reach(particles, p, D - 1) + grid.h());
+      for (int d = 0; d < D; ++d) {
+        const auto [first, last] = policy.nodes_along(grid, particles, p, d);
+        EXPECT_GE(node[d], grid.node(first, d)) << name;
+        EXPECT_LE(node[d], grid.node(last, d)) << name;
+      }
     }
     EXPECT_NEAR(sum, 1, rounding) << name;
     EXPECT_LE(slope.norm() * grid.h(), rounding) << name;
@@ -54,6 +57,11 @@ TYPED_TEST(Domains, ReproduceLinearFields) {
     particles.F.back() = (p % 7 == 0 ? 8.0 : 1.0) * random_deformation<D>(random, 0.3);
   }
   expect_linear_completeness(PointDomain{}, particles, grid, "point");
+  expect_linear_completeness(NineNode{}, particles, grid, "q9");
+  if constexpr (D == 2) expect_linear_completeness(EightNode{}, particles, grid, "q8");
+  expect_linear_completeness(BSpline<2>{}, particles, grid, "bspline2");
+  expect_linear_completeness(BSpline<3>{}, particles, grid, "bspline3");
+  expect_linear_completeness(MomentGradients{}, particles, grid, "mls_bspline2");
   expect_linear_completeness(UniformGimp{}, particles, grid, "ugimp");
   expect_linear_completeness(StretchedGimp{}, particles, grid, "cpgimp");
   expect_linear_completeness(Cpdi1{}, particles, grid, "cpdi1");

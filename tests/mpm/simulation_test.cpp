@@ -205,7 +205,7 @@ TEST(Failures, NameTheParticleAndTheStep) {
   } catch (const Failure& failure) {
     EXPECT_NE(std::string(failure.what()).find("left the grid"), std::string::npos);
     EXPECT_GE(failure.step(), 40);
-    EXPECT_GT(leaving.particles().x[failure.particle()][0], 0.98);
+    EXPECT_GT(leaving.particles().x[failure.number()][0], 0.98);
   }
   // Opposite velocities in one cell: turned inside out by one long step.
   problem = block<2>(10, 0.2, 0.6);

@@ -1,80 +1,25 @@
-// The particle domains: how a particle sees the linear functions N_i of the grid.
+// Particle domains: the linear functions of the grid, averaged over what a particle is.
 //
 //     S_ip = average of N_i over the domain,   G_ip = average of grad N_i over the domain.
 //
-//   PointDomain   N_i(x_p), the original material point method (Sulsky, Chen, Schreyer 1994)
 //   UniformGimp   a box about x_p that keeps its reference edges (Gong 2015, eq. 6.19)
 //   StretchedGimp the same, edges stretched by the diagonal of F (cpGIMP)
 //   Cpdi1         a parallelepiped carried by F, N_i interpolated between its corners
-//   (eq. 6.21-6.27) Cpdi2         corners that move with the grid, quadrilaterals and hexahedra
-//   (eq. 6.28-6.32)
+//                 (eq. 6.21-6.27)
+//   Cpdi2         corners that move with the grid, quadrilaterals and hexahedra (eq. 6.28-6.32)
 //
-// sum_i S_ip = 1, sum_i G_ip = 0, and linear fields are interpolated exactly. A policy is an empty
-// struct: shape() writes S and G and gives back the particle's volume, reach() is how far the
-// domain goes from x_p along an axis, and move() takes what it remembers through a step.
+// sum_i S_ip = 1, sum_i G_ip = 0, and linear fields are interpolated exactly. Policies as in
+// bases.hpp, where the points are.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "recon/core/error.hpp"
-#include "recon/mpm/grid.hpp"
-#include "recon/mpm/particles.hpp"
+#include "recon/mpm/bases.hpp"
 
 namespace recon::mpm {
 
-// Nodes with their S and G (1 / length). A node may stand more than once. Memory is kept.
-template <int D>
-struct ShapeFunctions {
-  std::vector<std::uint32_t> node;
-  std::vector<double> S;
-  std::vector<Vector<D>> G;
-
-  void resize(std::size_t count) {
-    node.resize(count);
-    S.resize(count);
-    G.resize(count);
-  }
-  std::size_t size() const { return node.size(); }
-
-  // sum_i S_i u_i and sum_i u_i (x) G_i.
-  template <class Values>
-  Vector<D> value(const Values& u) const {
-    Vector<D> sum = Vector<D>::Zero();
-    for (std::size_t k = 0; k < size(); ++k) sum += S[k] * u[node[k]];
-    return sum;
-  }
-  template <class Values>
-  Matrix<D> gradient(const Values& u) const {
-    Matrix<D> sum = Matrix<D>::Zero();
-    for (std::size_t k = 0; k < size(); ++k) sum += u[node[k]] * G[k].transpose();
-    return sum;
-  }
-};
-
 namespace detail {
-
-// The functions of one axis: `count` nodes from `first` on.
-struct AxisShape {
-  static constexpr int most = 34;
-  int first = 0, count = 0;
-  std::array<double, most> S, G;
-};
-
-// A point on an edge of its cell, or by rounding beyond, counts as a hair inside: so both nodes,
-// which its gradients see, get some of its mass, and with it its velocity.
-inline AxisShape linear_at(double x, double lower, double h, int cell) {
-  constexpr double hair = 1e-14;
-  AxisShape axis;
-  const double xi = std::clamp((x - lower) / h - cell, hair, 1 - hair);
-  axis.first = cell;
-  axis.count = 2;
-  axis.S[0] = 1 - xi;
-  axis.S[1] = xi;
-  axis.G[0] = -1 / h;
-  axis.G[1] = 1 / h;
-  return axis;
-}
 
 // Averages over [x - l, x + l], cell by cell; the outermost cells go on.
 template <int D>
@@ -100,30 +45,6 @@ AxisShape average(const Grid<D>& grid, int d, double x, double l) {
     axis.G[k + 1] += part / h;
   }
   return axis;
-}
-
-template <int D>
-void tensor_product(const Grid<D>& grid, const std::array<AxisShape, D>& axes,
-                    ShapeFunctions<D>& out) {
-  std::size_t count = 1;
-  for (const AxisShape& axis : axes) count *= static_cast<std::size_t>(axis.count);
-  out.resize(count);
-  std::array<int, D> k{};
-  for (std::size_t n = 0; n < count; ++n) {
-    std::array<int, D> index;
-    double S = 1;
-    Vector<D> G = Vector<D>::Ones();
-    for (int d = 0; d < D; ++d) {
-      const double value = axes[d].S[k[d]];
-      index[d] = axes[d].first + k[d];
-      S *= value;
-      for (int e = 0; e < D; ++e) G[e] *= e == d ? axes[d].G[k[d]] : value;
-    }
-    out.node[n] = grid.number(index);
-    out.S[n] = S;
-    out.G[n] = G;
-    for (int d = 0; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
-  }
 }
 
 // sum_a weight_a N_i(corner_a) and sum_a slope_a N_i(corner_a), gathered in the box of nodes about
@@ -185,29 +106,20 @@ void from_corners(const Grid<D>& grid, const typename Particles<D>::Corners& cor
 
 }  // namespace detail
 
-struct PointDomain {
+// Policies know how far they reach from x_p along an axis.
+template <class Domain>
+struct Reaching : detail::Memoryless {
   template <int D>
-  static double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
-                      ShapeFunctions<D>& out) {
-    std::array<detail::AxisShape, D> axes;
-    for (int d = 0; d < D; ++d) {
-      const double x = particles.x[p][d];
-      axes[d] = detail::linear_at(x, grid.lower()[d], grid.h(), grid.cell(x, d));
-    }
-    detail::tensor_product<D>(grid, axes, out);
-    return particles.volume(p);
+  static std::pair<int, int> nodes_along(const Grid<D>& grid, const Particles<D>& particles,
+                                         std::size_t p, int d) {
+    const double x = particles.x[p][d], reach = Domain::reach(particles, p, d);
+    return {grid.cell(x - reach, d), grid.cell(x + reach, d) + 1};
   }
-  template <int D>
-  static double reach(const Particles<D>&, std::size_t, int) {
-    return 0;
-  }
-  template <int D, class Velocity>
-  static void move(const Grid<D>&, Particles<D>&, std::size_t, const Velocity&, double) {}
 };
 
 // Boxes: half edges along the axes.
 template <bool stretched>
-struct Gimp : PointDomain {
+struct Gimp : Reaching<Gimp<stretched>> {
   template <int D>
   static double reach(const Particles<D>& particles, std::size_t p, int d) {
     const double l = particles.half_edges[p].row(d).cwiseAbs().sum();
@@ -226,7 +138,7 @@ struct Gimp : PointDomain {
 using UniformGimp = Gimp<false>;
 using StretchedGimp = Gimp<true>;
 
-struct Cpdi1 : PointDomain {
+struct Cpdi1 : Reaching<Cpdi1> {
   template <int D>
   static double reach(const Particles<D>& particles, std::size_t p, int d) {
     return (particles.F[p] * particles.half_edges[p]).row(d).cwiseAbs().sum();
@@ -251,7 +163,7 @@ struct Cpdi1 : PointDomain {
   }
 };
 
-struct Cpdi2 {
+struct Cpdi2 : Reaching<Cpdi2> {
   template <int D>
   static double reach(const Particles<D>& particles, std::size_t p, int d) {
     double most = 0;

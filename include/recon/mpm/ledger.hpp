@@ -4,11 +4,14 @@
 // before. Momenta are those of the half step itself, before boundaries act:
 //     momentum       sum_p m_p v_p          node_momentum  sum_i m_i v_i
 //     angular        sum_p m_p x_p x v_p    node_angular   sum_i m_i x_i x v_i   about the origin
-// The differences are the defect of the velocity map. Energies (Andersen, Andersen 2007, eq.
-// 25-32):
-//     kinetic        sum_p m_p v_p^2 / 2    node_kinetic   sum_i m_i v_i^2 / 2
-//     strain         the integral of the strain energy (not sigma : epsilon / 2, which misses 13 %
-//                    at an amplitude of 0.1)
+// The differences are the defect of the velocity map. Where particles carry moments (apic, polypic)
+// their angular momentum is sum_p m_p (x_p x v_p + sum_d e_d x B_p e_d). Energies (Andersen, Andersen
+// 2007, eq. 25-32):
+//     kinetic        sum_p m_p v_p^2 / 2    node_kinetic   sum_i m_i v_i^2 / 2, with a consistent
+//                                                          mass sum_ij v_i M_ij v_j / 2
+//     strain         the integral of the strain energy
+//     linear_strain  sum_p V_p sigma_p : epsilon_p / 2 with epsilon the strain of Hooke's law (eq.
+//                    27), which misses 13 % at an amplitude of 0.1
 //     interpolation_error = (node_kinetic - kinetic), algorithmic_error = -(node_kinetic + strain),
 //                    both less their value at the start of the account
 // so that the change of kinetic + strain is minus their sum. Work of external forces is in the
@@ -28,7 +31,9 @@ struct Ledger {
   double time = 0, mass = 0, node_mass = 0;
   std::array<double, 3> momentum{}, node_momentum{}, angular{}, node_angular{};
   double kinetic = 0, node_kinetic = 0, strain = 0;
+  double linear_strain = 0;
   double interpolation_error = 0, algorithmic_error = 0;
+  std::size_t negative_nodes = 0;  // nodes of negative mass
 
   double total() const { return kinetic + strain; }
 };

@@ -1,8 +1,4 @@
 // A method is a choice of policies; every method of the literature is one row of a table.
-//
-// Sources: Sulsky, Chen, Schreyer 1994 (mpm); Bardenhagen, Kober 2004 (ugimp, cpgimp); Sadeghirad,
-// Brannon, Burghardt 2011 and Sadeghirad, Brannon, Guilkey 2013 (cpdi1, cpdi2); Gong 2015 (impm ch.
-// 5, improved_cpdi sec. 6.6); Tran, Solowski, Berzins, Guilkey 2019 (imls_mpm, cpls).
 #pragma once
 
 #include <span>
@@ -13,32 +9,75 @@
 
 namespace recon::mpm {
 
+// What a particle is (domains.hpp), and with which functions it sees the grid (bases.hpp). Domains
+// other than the point need the linear basis. mls_bspline2: as bspline2, with the gradients of
+// MLS-MPM (Hu et al. 2018).
 enum class Domain { point, ugimp, cpgimp, cpdi1, cpdi2 };
+enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 
-// v_i at the nodes from v_p:
+// v_i at the nodes, d = x_i - x_p:
 //   mass_weighted  sum_p S_ip m_p v_p / m_i, which is Shepard's with the weight m_p S_ip
 //   mls            moving least squares, tensor cubic B-spline of support 2 h, moments on the grid
-//   imls           the same by graded Gram-Schmidt with neighbour lists
+//   imls           the same by graded Gram-Schmidt with neighbour lists; degree up to 3
 //   cpls           imls from particles and the corners of their domains, v_c = v_p + L_p (x_c -
-//   x_p)
-enum class VelocityMap { mass_weighted, mls, imls, cpls };
+//                  x_p)
+//   taylor         sum_p S_ip m_p (v_p + L_p d) / m_i (Wallstedt, Guilkey 2007)
+//   affine         sum_p S_ip m_p (v_p + B_p D_p^-1 d) / m_i, B_p and D_p the moments sum_i S_ip
+//   v_i
+//                  d^T and sum_i S_ip d d^T, remembered from the step before (Jiang et al. 2015)
+//   polynomial     the same with all products of the polynomials 1, d, d^2 of the axes, made
+//                  orthogonal under S_ip (Fu et al. 2017)
+enum class VelocityMap { mass_weighted, mls, imls, cpls, taylor, affine, polynomial };
 
-// Mass and forces of the nodes:
-//   particles  m_i = sum_p S_ip m_p,  f_i = -sum_p V_p sigma_p G_ip + external
-//   cells      density and stress fitted at the cell centres (quadratic B-spline of support 1.5 h):
-//              m_i = sum_c rho_c N_i(x_c) V_c,  f_i = -sum_c sigma_c grad N_i(x_c) V_c + external
-//              (Gong 2015, eq. 5.9-5.14)
-enum class Quadrature { particles, cells };
+// Mass, forces and, for maps that weight by mass, momentum of the nodes:
+//   particles    m_i = sum_p S_ip m_p,  f_i = -sum_p V_p sigma_p G_ip + external
+//   cells        density and stress fitted at the cell centres (quadratic B-spline of support 1.5
+//                h): m_i = sum_c rho_c N_i(x_c) V_c,  f_i = -sum_c sigma_c grad N_i(x_c) V_c +
+//                external (Gong 2015, eq. 5.9-5.14)
+//   nodal_cells  density and stress fitted at the nodes, linear between them, integrated over the
+//                part of each cell that is filled (Wallstedt, Guilkey 2011)
+//   taylor_cells density, momentum and stress as polynomials of each cell that keep its mass and
+//                momentum, at Gauss points; cells on the border of a body keep their particles
+//                (Wobbes et al. 2018)
+//   gauss_cells  the same with least squares at the Gauss points (Tran et al. 2019)
+enum class Quadrature { particles, cells, nodal_cells, taylor_cells, gauss_cells };
+
+// What particles take from the nodes, a_i = f_i / m_i:
+//   flip          v_p += k sum_i S a_i,  x_p += dt sum_i S v_i+
+//   pic           v_p  = sum_i S v_i+ ,  x_p += dt v_p
+//   xpic          v_p  = sum_i S (v*_i + k a_i),  v* = sum_{j < m} (1 - S+ S)^j v_i  with S+ S v
+//   the
+//                 velocity that goes to the particles and back; m is Method::order (Hammerquist,
+//                 Nairn 2017)
+//   fmpm          v_p  = sum_i S v*_i with v* of v_i+, also in L (Nairn, Hammerquist 2021)
+//   runge_kutta   the rates of flip in the classical four stages, velocities at whole steps
+//                 (Edwards, Bridson 2012)
+// The velocities of particles are half a step behind their positions, so one velocity is right for
+// the position as well where the sources take the mean of two.
+enum class Update { flip, pic, xpic, fmpm, runge_kutta };
+
+// lumped: m_i. consistent: M_ij = sum_p m_p S_ip S_jp, M v = p and M a = f (Andersen, Andersen
+// 2007, eq. 10, 17), by sparse Cholesky.
+enum class MassMatrix { lumped, consistent };
 
 struct Method {
   std::string name;
   Domain domain = Domain::point;
+  Basis basis = Basis::linear;
   VelocityMap velocity = VelocityMap::mass_weighted;
   Quadrature quadrature = Quadrature::particles;
+  Update update = Update::flip;
   std::string source;
 
-  int degree = 1;                    // of the fits: 1 or 2
-  bool momentum_correction = false;  // shift fitted v_i so that their momentum is the particles'
+  int degree = 1;  // of the fits: 1 or 2, with imls up to 3
+  int order = 2;   // m of xpic and fmpm
+  MassMatrix mass = MassMatrix::lumped;
+  SplineBorder border = SplineBorder::corrected;
+  bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles'
+  bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
+
+  // Throws InvalidArgument for choices that do not go together, saying why.
+  void validate(int dimension) const;
 };
 
 // All rows.
@@ -47,13 +86,17 @@ std::span<const Method> methods();
 const Method& method_named(std::string_view name);
 
 std::string_view name_of(Domain domain);
+std::string_view name_of(Basis basis);
 std::string_view name_of(VelocityMap map);
 std::string_view name_of(Quadrature quadrature);
+std::string_view name_of(Update update);
+std::string_view name_of(MassMatrix mass);
+std::string_view name_of(SplineBorder border);
 
-// Calls work(policy) with the policy of a domain.
+// Calls work(policy) with the policy of the method's domain and basis.
 template <class Work>
-decltype(auto) with_domain(Domain domain, Work&& work) {
-  switch (domain) {
+decltype(auto) with_shape(const Method& method, Work&& work) {
+  switch (method.domain) {
     case Domain::ugimp:
       return work(UniformGimp{});
     case Domain::cpgimp:
@@ -63,6 +106,20 @@ decltype(auto) with_domain(Domain domain, Work&& work) {
     case Domain::cpdi2:
       return work(Cpdi2{});
     case Domain::point:
+      break;
+  }
+  switch (method.basis) {
+    case Basis::q8:
+      return work(EightNode{});
+    case Basis::q9:
+      return work(NineNode{});
+    case Basis::bspline2:
+      return work(BSpline<2>{{method.border}, {}});
+    case Basis::bspline3:
+      return work(BSpline<3>{{method.border}, {}});
+    case Basis::mls_bspline2:
+      return work(MomentGradients{{{method.border}, {}}});
+    case Basis::linear:
       break;
   }
   return work(PointDomain{});

@@ -32,6 +32,7 @@ struct RunResult {
   std::size_t limiting_particle = 0;   // of the shortest step
   double largest_momentum_defect = 0;  // |nodes' - particles'|, of all steps
   std::size_t unfitted = 0;            // most nodes in a step without a fit of their own
+  std::optional<NegativeMass> negative_mass, sign_change;  // see Simulation
   std::size_t frames = 0;
 };
 

@@ -17,8 +17,13 @@
 //
 // Nodes lighter than 1e-10 of the heaviest feel gravity alone: forces on them would be divided by
 // next to nothing. Nodes without mass stay at rest. The same bits for any number of threads.
+//
+// This is the update `flip`; method.hpp has the others. runge_kutta has velocities at t as well,
+// and takes four maps a step, the first of them being map().
 #pragma once
 
+#include <Eigen/SparseCore>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -27,36 +32,58 @@
 
 namespace recon::mpm {
 
-// A run that cannot go on: a particle left the grid, was turned inside out, or is not finite.
+// A run that cannot go on: a particle left the grid, was turned inside out, or is not finite; a
+// node has a mass that cannot be divided by.
 class Failure : public std::runtime_error {
  public:
-  Failure(std::int64_t step, std::size_t particle, const std::string& what);
+  // place: "particle" or "node", whose number it is.
+  Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what);
   std::int64_t step() const { return step_; }
-  std::size_t particle() const { return particle_; }
+  std::size_t number() const { return number_; }
 
  private:
   std::int64_t step_;
-  std::size_t particle_;
+  std::size_t number_;
+};
+
+// The velocity of a node along an axis is given.
+struct HeldVelocity {
+  std::uint32_t node = 0;
+  int axis = 0;
+  double velocity = 0;
+};
+
+// A node whose mass is negative. Functions of elements (q8, q9) are negative in parts, so a node
+// can be lighter than nothing. Momentum and force are then negative as well, and velocity and
+// acceleration are right in rigid motion; but when the sign changes, the mass passes through zero,
+// and dividing by it makes both arbitrary (Andersen, Andersen 2007, appendix, corrected).
+struct NegativeMass {
+  std::int64_t step = 0;
+  std::size_t node = 0;
+  double mass = 0;
 };
 
 template <int D>
 struct Nodes {
   std::vector<double> mass;
-  std::vector<Vector<D>> momentum;      // sum_p S m_p v_p
-  std::vector<Vector<D>> force;         // internal and external
-  std::vector<Vector<D>> mapped;        // v_i as it was mapped, without the boundary's say
-  std::vector<Vector<D>> velocity;      // v_i
-  std::vector<Vector<D>> acceleration;  // f_i / m_i, zero where the velocity is held
-  FitReports fit;                       // of a fitted velocity: its nodes are fit_nodes
+  Eigen::SparseMatrix<double> mass_matrix;  // consistent mass, else empty
+  std::vector<Vector<D>> momentum;          // of the particles: sum_p S m_p v_p, or as mapped
+  std::vector<Vector<D>> force;             // internal and external
+  std::vector<Vector<D>> mapped;            // v_i as it was mapped, without the boundary's say
+  std::vector<Vector<D>> velocity;          // v_i
+  std::vector<Vector<D>> acceleration;      // f_i / m_i, zero where the velocity is held
+  FitReports fit;                           // of a fitted velocity: its nodes are fit_nodes
   std::vector<std::uint32_t> fit_nodes;
   std::size_t unfitted = 0;  // nodes with mass whose velocity had to be mass-weighted
+  std::size_t negative = 0;  // nodes of negative mass
 };
 
-// Of the quadrature `cells`: columns density, stress by rows of its upper triangle; body force.
+// Of the quadrature `cells` at cell centres, of `nodal_cells` at the nodes: columns density, stress
+// by rows of its upper triangle; body force.
 template <int D>
 struct Cells {
   Eigen::MatrixXd values;
-  std::vector<double> fill;  // part of the cell that holds material
+  std::vector<double> fill;  // part of each cell that holds material
   FitReports fit;
 };
 
@@ -74,17 +101,24 @@ class Simulation {
   double time() const { return time_; }
   std::int64_t steps() const { return steps_; }
   double last_step() const { return last_dt_; }  // dt of the step before; 0 at the start
+  // By how much the velocities of the particles are behind time().
+  double velocity_lag() const {
+    return problem_.method.update == Update::runge_kutta ? 0 : last_dt_ / 2;
+  }
   const Problem<D>& problem() const { return problem_; }
   const Particles<D>& particles() const { return problem_.particles; }
   const Nodes<D>& nodes() const { return nodes_; }
   const Cells<D>& cells() const { return cells_; }
+  // The first node of negative mass, and the first whose mass changed its sign between two steps.
+  const std::optional<NegativeMass>& negative_mass() const { return negative_mass_; }
+  const std::optional<NegativeMass>& sign_change() const { return sign_change_; }
 
   // The step by the rule of the problem, a length of time (c_p = sqrt((lambda + 2 mu) / density)):
   //   adaptive  courant h / max_p (c_p + |v_p|), density as it is now
   //   p_wave    courant h / c_p, bar_wave: courant h / sqrt(E / density), at the reference density
   Step choose_step() const;
 
-  // Fills nodes() (and cells()) from the particles.
+  // Fills nodes() (and cells()) from the particles. Throws Failure.
   void map();
   // A step from what map() left. Throws Failure; particles before the one it names have moved then.
   void advance(double dt);
@@ -93,20 +127,33 @@ class Simulation {
   void restore(Particles<D> particles, double time, std::int64_t steps, double last_dt);
 
  private:
-  template <class DomainPolicy>
-  void scatter(DomainPolicy domain);
-  template <class DomainPolicy>
-  void gather(DomainPolicy domain, double dt, double kick);
+  template <class Shape>
+  void scatter(Shape shape_of);
+  template <class Shape>
+  void gather(Shape shape_of, double dt, double kick);
+  template <class Shape>
+  void start_moments(Shape shape_of);
+  void move(std::size_t p, const Vector<D>& x, const Matrix<D>& L, const Matrix<D>& F, double dt);
   void integrate_cells();
   void fit_velocity();
+  void solve_consistent();
+  void watch_mass(double lightest);
+  void find_held();
   void hold_boundaries();
+  void advance_runge_kutta(double dt);
+  std::vector<Vector<D>> filtered(std::vector<Vector<D>> velocity) const;
 
   Problem<D> problem_;
   double time_ = 0, last_dt_ = 0;
   std::int64_t steps_ = 0;
   Nodes<D> nodes_;
   Cells<D> cells_;
-  std::vector<Vector<D>> acceleration_;  // body force and loads per mass, of the particles
+  std::vector<HeldVelocity> held_;
+  std::vector<Vector<D>> acceleration_;  // body force per mass of the particles
+  std::vector<Vector<D>> carried_;  // of the nodes, what particles take in other updates than flip
+  std::vector<Eigen::Triplet<double>> mass_entries_;  // from Gauss points
+  std::vector<signed char> signs_;                    // of the nodes' masses, in the step before
+  std::optional<NegativeMass> negative_mass_, sign_change_;
 };
 
 extern template class Simulation<1>;

@@ -10,13 +10,14 @@ namespace recon::program {
 Command add_methods(CLI::App& app) {
   app.add_subcommand("methods", "the methods, and what they are made of");
   return [] {
-    std::printf("%-14s %-8s %-14s %-10s %s\n", "method", "domain", "velocity", "quadrature",
-                "source");
+    const char* line = "%-20s %-7s %-13s %-14s %-13s %-12s %s\n";
+    std::printf(line, "method", "domain", "basis", "velocity", "quadrature", "update", "source");
     for (const mpm::Method& method : mpm::methods())
-      std::printf("%-14s %-8s %-14s %-10s %s\n", method.name.c_str(),
-                  std::string(name_of(method.domain)).c_str(),
+      std::printf(line, method.name.c_str(), std::string(name_of(method.domain)).c_str(),
+                  std::string(name_of(method.basis)).c_str(),
                   std::string(name_of(method.velocity)).c_str(),
-                  std::string(name_of(method.quadrature)).c_str(), method.source.c_str());
+                  std::string(name_of(method.quadrature)).c_str(),
+                  std::string(name_of(method.update)).c_str(), method.source.c_str());
   };
 }
 

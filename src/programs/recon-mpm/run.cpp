@@ -67,6 +67,17 @@ void print_summary(const mpm::Problem<D>& problem, const mpm::RunResult& result,
   if (result.unfitted > 0)
     print_line("unfitted", "up to " + counted(result.unfitted, "node") +
                                " of a step had no data for a fit: mass-weighted instead");
+  const auto print_mass = [&](const char* name, const std::optional<mpm::NegativeMass>& found) {
+    if (!found) return;
+    const auto at = problem.grid.position(found->node);
+    std::string text = number(found->mass) + " of node " + std::to_string(found->node) + " at (";
+    for (int d = 0; d < D; ++d) text += (d ? ", " : "") + number(at[d]);
+    print_line(name, text + ") in step " + std::to_string(found->step));
+  };
+  print_mass("negative mass", result.negative_mass);
+  print_mass("sign of mass", result.sign_change);
+  if (result.sign_change)
+    print_line("", "changed there: the mass passed through zero, so the results cannot be trusted");
   print_line("files",
              folder + ": " + counted(result.frames, "frame") + ", ledger.csv, checkpoint.h5");
 }

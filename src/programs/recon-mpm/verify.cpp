@@ -339,7 +339,7 @@ class Report {
       for (std::size_t p = 0; p < particles.size(); ++p) {
         const auto& X = particles.X[p];
         const auto u = exact->at(X, simulation.time()).displacement;
-        const auto v = exact->at(X, simulation.time() - simulation.last_step() / 2).velocity;
+        const auto v = exact->at(X, simulation.time() - simulation.velocity_lag()).velocity;
         sum += particles.mass[p] * ((X[0] + u[0]) * v[1] - (X[1] + u[1]) * v[0]);
       }
       return sum;

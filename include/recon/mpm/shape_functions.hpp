@@ -1,0 +1,77 @@
+// What a particle sees of the grid: nodes i with S_ip and G_ip, the value and the gradient of their
+// functions N_i at the particle or averaged over its domain.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "recon/core/error.hpp"
+#include "recon/mpm/grid.hpp"
+
+namespace recon::mpm {
+
+// Nodes with their S and G (1 / length). A node may stand more than once. Memory is kept.
+template <int D>
+struct ShapeFunctions {
+  std::vector<std::uint32_t> node;
+  std::vector<double> S;
+  std::vector<Vector<D>> G;
+
+  void resize(std::size_t count) {
+    node.resize(count);
+    S.resize(count);
+    G.resize(count);
+  }
+  std::size_t size() const { return node.size(); }
+
+  // sum_i S_i u_i and sum_i u_i (x) G_i.
+  template <class Values>
+  Vector<D> value(const Values& u) const {
+    Vector<D> sum = Vector<D>::Zero();
+    for (std::size_t k = 0; k < size(); ++k) sum += S[k] * u[node[k]];
+    return sum;
+  }
+  template <class Values>
+  Matrix<D> gradient(const Values& u) const {
+    Matrix<D> sum = Matrix<D>::Zero();
+    for (std::size_t k = 0; k < size(); ++k) sum += u[node[k]] * G[k].transpose();
+    return sum;
+  }
+};
+
+namespace detail {
+
+// The functions of one axis: `count` nodes from `first` on.
+struct AxisShape {
+  static constexpr int most = 34;
+  int first = 0, count = 0;
+  std::array<double, most> S, G;
+};
+
+template <int D>
+void tensor_product(const Grid<D>& grid, const std::array<AxisShape, D>& axes,
+                    ShapeFunctions<D>& out) {
+  std::size_t count = 1;
+  for (const AxisShape& axis : axes) count *= static_cast<std::size_t>(axis.count);
+  out.resize(count);
+  std::array<int, D> k{};
+  for (std::size_t n = 0; n < count; ++n) {
+    std::array<int, D> index;
+    double S = 1;
+    Vector<D> G = Vector<D>::Ones();
+    for (int d = 0; d < D; ++d) {
+      const double value = axes[d].S[k[d]];
+      index[d] = axes[d].first + k[d];
+      S *= value;
+      for (int e = 0; e < D; ++e) G[e] *= e == d ? axes[d].G[k[d]] : value;
+    }
+    out.node[n] = grid.number(index);
+    out.S[n] = S;
+    out.G[n] = G;
+    for (int d = 0; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
+  }
+}
+
+}  // namespace detail
+
+}  // namespace recon::mpm
