@@ -93,6 +93,8 @@ void Method::validate(int dimension) const {
           "consistent", "is for mass-weighted velocities and mass from particles or Gauss points");
   require(mass == MassMatrix::lumped || update == Update::flip || update == Update::pic,
           "update of the method", name_of(update), "is for lumped mass");
+  require(stress == StressUpdate::last || update == Update::flip, "update of the method",
+          name_of(update), "has its own order of the stress: stress first is for flip");
 }
 
 namespace {
@@ -122,6 +124,9 @@ std::string_view name_of(MassMatrix mass) {
 }
 std::string_view name_of(SplineBorder border) {
   return name_in({"corrected", "extra_column", "linear_cells"}, border);
+}
+std::string_view name_of(StressUpdate stress) {
+  return name_in({"last", "first"}, stress);
 }
 
 }  // namespace recon::mpm

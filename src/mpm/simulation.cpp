@@ -356,6 +356,22 @@ void Simulation<D>::advance(double dt) {
   time_ += dt;
   last_dt_ = dt;
   ++steps_;
+  if (problem_.method.stress == StressUpdate::first) strain_by_map();
+}
+
+// The strain of the step just made, by the velocity that its particles show to the nodes now.
+template <int D>
+void Simulation<D>::strain_by_map() {
+  map();
+  const Particles<D>& particles = problem_.particles;
+  with_shape(problem_.method, [&](auto shape_of) {
+    ShapeFunctions<D> shape;
+    for (std::size_t p = 0; p < particles.size(); ++p) {
+      shape_of.shape(problem_.grid, particles, p, shape);
+      const Matrix<D> L = shape.gradient(nodes_.velocity);
+      strain(p, L, (Matrix<D>::Identity() + last_dt_ * L) * particles.F[p], last_dt_);
+    }
+  });
 }
 
 template <int D>
@@ -364,6 +380,7 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
   Particles<D>& particles = problem_.particles;
   const Grid<D>& grid = problem_.grid;
   const bool flip = problem_.method.update == Update::flip;
+  const bool strains = problem_.method.stress == StressUpdate::last;
   [[maybe_unused]] const VelocityMap map = problem_.method.velocity;
   [[maybe_unused]] const auto moments = static_cast<std::size_t>(moment_count(map, D));
   parallel_blocks(
@@ -386,8 +403,8 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
               }
             }
           }
-          move(p, particles.x[p] + dt * v, L, (Matrix<D>::Identity() + dt * L) * particles.F[p],
-               dt);
+          if (strains) strain(p, L, (Matrix<D>::Identity() + dt * L) * particles.F[p], dt);
+          move(p, particles.x[p] + dt * v);
           if (flip)
             particles.v[p] += kick * shape.value(nodes_.acceleration);
           else
@@ -397,22 +414,26 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
       });
 }
 
-// A particle comes to x with the deformation F by the velocity gradient L.
+// A particle comes to x.
 template <int D>
-void Simulation<D>::move(std::size_t p, const Vector<D>& x, const Matrix<D>& L, const Matrix<D>& F,
-                         double dt) {
-  Particles<D>& particles = problem_.particles;
-  if (!(F.determinant() > 0))
-    throw Failure(steps_, "particle", p,
-                  "its volume is no longer positive (det F = " +
-                      recon::detail::to_text(F.determinant()) + ")");
+void Simulation<D>::move(std::size_t p, const Vector<D>& x) {
   if (!x.allFinite()) throw Failure(steps_, "particle", p, "its position is not finite");
   if (!problem_.grid.contains(x)) {
     std::string at;
     for (int d = 0; d < D; ++d) at += (d ? ", " : "") + recon::detail::to_text(x[d]);
     throw Failure(steps_, "particle", p, "it left the grid at (" + at + ")");
   }
-  particles.x[p] = x;
+  problem_.particles.x[p] = x;
+}
+
+// And to the deformation F by the velocity gradient L.
+template <int D>
+void Simulation<D>::strain(std::size_t p, const Matrix<D>& L, const Matrix<D>& F, double dt) {
+  Particles<D>& particles = problem_.particles;
+  if (!(F.determinant() > 0))
+    throw Failure(steps_, "particle", p,
+                  "its volume is no longer positive (det F = " +
+                      recon::detail::to_text(F.determinant()) + ")");
   particles.F[p] = F;
   particles.L[p] = L;
   std::visit(
@@ -461,7 +482,8 @@ void Simulation<D>::advance_runge_kutta(double dt) {
                           const double step = last ? dt : part[stage] * dt;
                           particles.stress[p] = start.stress[p];
                           particles.energy[p] = start.energy[p];
-                          move(p, start.x[p] + step * to.x, to.L, start.F[p] + step * to.F, step);
+                          strain(p, to.L, start.F[p] + step * to.F, step);
+                          move(p, start.x[p] + step * to.x);
                           particles.v[p] = start.v[p] + step * to.v;
                         }
                       });

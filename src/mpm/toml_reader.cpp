@@ -80,7 +80,10 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
   } catch (const toml::parse_error& error) {
     throw FileError(file, error.source().begin.line, std::string(error.description()));
   }
-  for (const std::string& setting : settings) apply(root, setting, known);
+  std::vector<std::string> all(known.begin(), known.end());
+  if (const toml::table* constants = root["constants"].as_table())
+    for (const auto& [key, node] : *constants) all.push_back("constants." + std::string(key.str()));
+  for (const std::string& setting : settings) apply(root, setting, all);
   return root;
 }
 

@@ -60,6 +60,14 @@ enum class Update { flip, pic, xpic, fmpm, runge_kutta };
 // 2007, eq. 10, 17), by sparse Cholesky.
 enum class MassMatrix { lumped, consistent };
 
+// Of which velocity L, and with it the stress, is made:
+//   last   of v_i+, at the old place of the particle. What the map takes from a velocity is taken
+//          from the strain only in the next step: energy is lost, in proportion to dt
+//   first  of v_i as it is mapped after the step, at the new place: in each step before the forces
+//          (Andersen, Andersen 2007, section 3.2). Strain and force are then transposes of each
+//          other, and energy oscillates without being lost (Bardenhagen 2002). Costs another map
+enum class StressUpdate { last, first };
+
 struct Method {
   std::string name;
   Domain domain = Domain::point;
@@ -72,6 +80,7 @@ struct Method {
   int degree = 1;  // of the fits: 1 or 2, with imls up to 3
   int order = 2;   // m of xpic and fmpm
   MassMatrix mass = MassMatrix::lumped;
+  StressUpdate stress = StressUpdate::last;
   SplineBorder border = SplineBorder::corrected;
   bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles'
   bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
@@ -92,6 +101,7 @@ std::string_view name_of(Quadrature quadrature);
 std::string_view name_of(Update update);
 std::string_view name_of(MassMatrix mass);
 std::string_view name_of(SplineBorder border);
+std::string_view name_of(StressUpdate stress);
 
 // Calls work(policy) with the policy of the method's domain and basis.
 template <class Work>

@@ -133,7 +133,9 @@ class Simulation {
   void gather(Shape shape_of, double dt, double kick);
   template <class Shape>
   void start_moments(Shape shape_of);
-  void move(std::size_t p, const Vector<D>& x, const Matrix<D>& L, const Matrix<D>& F, double dt);
+  void move(std::size_t p, const Vector<D>& x);
+  void strain(std::size_t p, const Matrix<D>& L, const Matrix<D>& F, double dt);
+  void strain_by_map();
   void integrate_cells();
   void fit_velocity();
   void solve_consistent();

@@ -4,63 +4,29 @@
 #include <cstdio>
 #include <memory>
 
+#include "bending.hpp"
 #include "claims.hpp"
 #include "commands.hpp"
-#include "example_problems.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/progress.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/atomic_file.hpp"
-#include "recon/io/picture.hpp"
 #include "recon/mpm/ledger.hpp"
 #include "recon/mpm/run.hpp"
 #include "recon/operators/reconstruct.hpp"
+#include "verification.hpp"
 
 namespace recon::program {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string picture_folder = "verification";
-
-struct Options {
-  bool full = false, quiet = false;
-  std::string out, only;
-};
-
-mpm::AnyProblem load(const std::string& name, std::vector<std::string> settings,
-                     std::span<const std::string> more) {
-  settings.insert(settings.end(), more.begin(), more.end());
-  return mpm::read_problem_text(example_problem(name), name + ".toml", settings);
-}
-
-std::string file_name(std::string figure) {
-  for (char& c : figure)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  return figure;
-}
-
-// Draws, unless there is no folder or no gnuplot; the Markdown of the picture.
-template <class Plot>
-std::string picture(const Options& options, const std::string& figure, const Plot& plot) {
-  if (options.out.empty()) return "";
-  const std::string name = file_name(figure) + ".png";
-  try {
-    draw(fs::path(options.out) / picture_folder / name, plot);
-  } catch (const FileError& error) {
-    return std::string("(no picture: ") + error.what() + ")\n\n";
-  }
-  return "![" + figure + "](" + picture_folder + "/" + name + ")\n\n";
-}
+using Options = VerifyOptions;
 
 std::string order_text(double order) {
   return std::isnan(order) ? "fails" : number(order, 3);
 }
-
-struct Verdict {
-  std::string figure, statement, verdict;
-};
 
 class Report {
  public:
@@ -92,9 +58,7 @@ class Report {
                   order_text(order) + " where " + (expected.at_least ? "at least " : "at most ") +
                   number(expected.order, 3) + " was expected";
     }
-    const std::string verdict = kept == static_cast<int>(claim.expected.size()) ? "holds"
-                                : kept > 0                                      ? "holds partly"
-                                           : "does not reproduce";
+    const std::string verdict = verdict_of(kept, static_cast<int>(claim.expected.size()));
     verdicts_.push_back({claim.figure, claim.statement, verdict});
     text_ += "## " + claim.figure + ": " + verdict + "\n\nClaim: " + claim.statement + "\n\n" +
              (broken.empty() ? "" : "Not as claimed: " + broken + ".\n\n") + "`" + claim.problem +
@@ -172,6 +136,13 @@ class Report {
              ".\n\n" + picture(options_, snapshot.figure, map);
   }
 
+  void add(const BendingPart& part) {
+    if (!wanted(part.figure)) return;
+    Findings found = part.measure(options_, progress_);
+    text_ += found.text;
+    for (Verdict& verdict : found.verdicts) verdicts_.push_back(std::move(verdict));
+  }
+
   void finish() const {
     std::string all =
         "# Verification\n\nWritten by `recon-mpm verify" +
@@ -205,6 +176,7 @@ class Report {
       count += wanted(account.figure) * account.methods.size();
     for (const Snapshot& snapshot : snapshots())
       count += wanted(snapshot.figure) * snapshot.methods.size() * snapshot.times.size();
+    for (const BendingPart& part : bending_parts()) count += wanted(part.figure) * part.runs;
     return count;
   }
 
@@ -365,6 +337,7 @@ void run(const Options& options) {
   for (const Claim& claim : claims()) report.add(claim);
   for (const Account& account : accounts()) report.add(account);
   for (const Snapshot& snapshot : snapshots()) report.add(snapshot);
+  for (const BendingPart& part : bending_parts()) report.add(part);
   with_exit_code(no_output, [&] { report.finish(); });
 }
 
