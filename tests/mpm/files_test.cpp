@@ -88,6 +88,15 @@ TEST_F(MpmFiles, AProblemIsRead) {
   EXPECT_NEAR(mass, 1000 * 0.04, 1e-10);
 }
 
+TEST_F(MpmFiles, SettingsNameConstants) {
+  const std::string text = "[constants]\nA = 0.1\n" + with("\"0.1 * X\"", "\"A * X\"");
+  const std::string settings[] = {"constants.A=3"};
+  const auto file = std::get<ProblemFile<2>>(read_problem_text(text, "p.toml", settings));
+  const Particles<2>& particles = file.problem.particles;
+  EXPECT_NEAR(particles.v[0][1], 3 * particles.X[0][0], 1e-14);
+  EXPECT_THAT(message(text, {"constants.B=3"}), HasSubstr("unknown key"));
+}
+
 TEST_F(MpmFiles, MistakesNameFileLineKeyAndChoices) {
   EXPECT_THAT(message(with("cells = 10", "cell = 10")), HasSubstr("grid.cells: is missing"));
   EXPECT_THAT(message(with("cells = 10", "cells = 10\ncolour = 3")),

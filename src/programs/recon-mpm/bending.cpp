@@ -70,8 +70,9 @@ struct Run {
 using Change = std::function<void(Problem&)>;
 using Watch = std::function<double(const mpm::Simulation<2>&)>;
 
+// Without accounts the ledger has the times only.
 Run simulate(const std::string& problem, const Words& settings, const Watch& watch = {},
-             const Change& change = {}) {
+             const Change& change = {}, bool accounts = true) {
   auto file = std::get<mpm::ProblemFile<2>>(load(problem, settings));
   if (change) change(file.problem);
   mpm::Simulation<2> simulation(file.problem);
@@ -79,7 +80,9 @@ Run simulate(const std::string& problem, const Words& settings, const Watch& wat
   std::optional<mpm::Ledger> start;
   try {
     mpm::run_until<2>(simulation, file.problem.time.end, [&] {
-      run.ledger.push_back(mpm::account(simulation, start));
+      run.ledger.emplace_back();
+      run.ledger.back().time = simulation.time();
+      if (accounts) run.ledger.back() = mpm::account(simulation, start);
       if (!start) start = run.ledger.front();
       if (watch) run.watched.push_back(watch(simulation));
     });
@@ -264,7 +267,8 @@ Findings measure_bar(const VerifyOptions& options, Progress& progress) {
       "| --- | --- | --- | --- |\n";
   bool nine_breaks = false, others_run = true;
   std::string when;
-  for (const char* amplitude : {"0.1", "0.2", "0.5", "1"}) {
+  for (const char* amplitude : {"1", "0.5", "0.2", "0.1"}) {
+    if (!options.full && amplitude != std::string("1")) continue;
     steps += std::string("| ") + amplitude;
     for (const std::string& method : interpolations) {
       const Run made = run({"method.name=" + method, "constants.A=" + std::string(amplitude)});
@@ -360,7 +364,7 @@ Run bend(const Treatment& treatment, double load, double end, double step) {
   if (!treatment.border.empty()) settings.push_back("spline_border=" + treatment.border);
   return simulate(
       "cantilever", settings, [](const auto& simulation) { return tip(simulation.particles()); },
-      free_end(treatment));
+      free_end(treatment), false);
 }
 
 // Mean deflection of the tip over the last period, as part of that by beam theory for the mean load
@@ -527,10 +531,11 @@ void judge_deflection(Conclusions& report, const std::vector<double>& slow,
   report.add(beam_figure, "Cantilever: nearly the same deflection with 8- and 9-node elements.",
              {{std::abs(slow[1] / slow[2] - 1) < 0.02,
                number(slow[1], 3) + " and " + number(slow[2], 3)}});
+  constexpr double clear = 0.02;  // less of a difference is none
   const auto off = [&](std::size_t k) { return std::abs(slow[k] - 1); };
   report.add(beam_figure,
              "Cantilever: cubic splines are closest to beam theory; elements deflect far less.",
-             {{off(3) < std::min({off(0), off(1), off(2)}), "cubic splines: " + both(3)},
+             {{off(3) < std::min({off(0), off(1), off(2)}) - clear, "cubic splines: " + both(3)},
               {slow[1] < 0.9 && slow[2] < 0.9, "8-node: " + both(1) + "; 9-node: " + both(2)}});
   report.say(
       "Without locking 1.04 is expected: shear adds 1 %, and six rows of particles have 35/36 of "
@@ -556,7 +561,7 @@ Findings measure_cantilever(const VerifyOptions& options, Progress& progress) {
       {"cubic splines, extra column and x = 0", "bspline3", "extra_column"},
       {"cubic splines, extra column alone", "bspline3", "extra_column", false},
       {"quadratic splines, corrected", "bspline2", "corrected"}};
-  const double slow_end = options.full ? 400 : 80;
+  const double slow_end = options.full ? 400 : 80, step = options.full ? 0.003 : 0.006;
   std::vector<Run> quick;
   std::vector<StressFit> stress;
   std::vector<double> slow, dynamic;
@@ -579,7 +584,7 @@ Findings measure_cantilever(const VerifyOptions& options, Progress& progress) {
       "over the height | over the length |\n"
       "| --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Treatment& treatment : treatments) {
-    quick.push_back(bend(treatment, weak, 20, 0.003));
+    quick.push_back(bend(treatment, weak, 20, step));
     progress.advance(1);
     const Run ramp = bend(treatment, weak, slow_end, 0.0125);
     progress.advance(1);
@@ -603,7 +608,7 @@ Findings measure_cantilever(const VerifyOptions& options, Progress& progress) {
   bool nine_breaks = false;
   std::string when;
   for (std::size_t m = 0; m < 4; ++m) {
-    Run run = bend(treatments[m], strong, 20, 0.003);
+    Run run = bend(treatments[m], strong, 20, step);
     progress.advance(1);
     large += "| " + treatments[m].name + " | " + run.outcome() + ", tip at " +
              number(tip(run.particles) / (Beam{strong}.down(corner)), 3) + " of eq. 34 | " +
@@ -802,7 +807,7 @@ Findings measure_box(const VerifyOptions& options, Progress& progress) {
   const Run nine = run("q9", 0);
   report.add(box_figure, "Box: 9-node elements cannot do it, for masses change their sign.",
              {{!nine.failure.empty() && nine.sign.has_value(),
-               "in free flight, " + nine.outcome() + "; first negative mass at " + nine.where +
+               nine.outcome() + "; first negative mass at " + nine.where +
                    (nine.sign ? ", first change of sign in step " + std::to_string(nine.sign->step)
                               : ", no mass changes its sign before")}});
   judge_impact(report, gaps, impacts);
