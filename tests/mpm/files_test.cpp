@@ -103,6 +103,8 @@ TEST_F(MpmFiles, MistakesNameFileLineKeyAndChoices) {
               AllOf(HasSubstr("p.toml:6: grid.colour: unknown key")));
   EXPECT_THAT(message(with("\"cpls\"", "\"cpsl\"")),
               AllOf(HasSubstr("method.name: unknown 'cpsl'"), HasSubstr("cpls")));
+  EXPECT_THAT(message(with("\"cpls\"", "\"apic\"\nstress = \"first\"")),
+              HasSubstr("stress first is for flip"));
   EXPECT_THAT(message(with("\"box\"", "\"bxo\"")),
               AllOf(HasSubstr("p.toml:11: body 1.shape"), HasSubstr("box")));
   EXPECT_THAT(message(with("young = 1000", "young = \"stiff\"")),
@@ -238,7 +240,8 @@ TEST_F(MpmFiles, PressureAddsUpToForce) {
 // A run in two parts is bit for bit the run in one, ledger included.
 TEST_F(MpmFiles, RestartIsExact) {
   for (const Method& method : methods()) {
-    if (method.basis == Basis::q9) continue;  // breaks in free flight, by negative mass
+    // Elements break in this collision, by negative mass.
+    if (method.basis == Basis::q8 || method.basis == Basis::q9) continue;
     auto file = read_example<2>("disks.toml", {"name=" + method.name, "cells=10", "frames=4"});
     for (auto& v : file.problem.particles.v) v *= 8;
     file.problem.time.end = 0.6;

@@ -59,8 +59,9 @@ std::string BendingRun::outcome() const {
   return "stops at t = " + number(ledger.back().time, 3) + ": " + failure;
 }
 
-BendingRun simulate(const std::string& problem, const Words& settings, const std::function<double(const mpm::Simulation<2>&)>& watch,
- const std::function<void(BendingProblem&)>& change, bool accounts) {
+BendingRun simulate(const std::string& problem, const Words& settings,
+                    const std::function<double(const mpm::Simulation<2>&)>& watch,
+                    const std::function<void(BendingProblem&)>& change, bool accounts) {
   auto file = std::get<mpm::ProblemFile<2>>(load(problem, settings));
   if (change) change(file.problem);
   mpm::Simulation<2> simulation(file.problem);

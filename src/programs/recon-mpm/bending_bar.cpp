@@ -54,7 +54,8 @@ void tabulate(Conclusions& report, const BarRuns& runs) {
   report.say(bar_row(plain_name("bspline2"), runs.quadratic));
   for (std::size_t b = 0; b < borders.size(); ++b) {
     report.say(bar_row("cubic splines, 45 nodes, `" + borders[b] + "`", runs.ended[b]));
-    report.say(bar_row("quadratic splines, 45 nodes, `" + borders[b] + "`", runs.quadratic_ended[b]));
+    report.say(
+        bar_row("quadratic splines, 45 nodes, `" + borders[b] + "`", runs.quadratic_ended[b]));
   }
   for (std::size_t m = 0; m < runs.lumped.size(); ++m)
     report.say(bar_row(plain_name(interpolations[m]) + ", consistent mass", runs.consistent[m]));
@@ -77,9 +78,9 @@ void judge_errors(Conclusions& report, const BarRuns& runs) {
   std::vector<std::pair<bool, std::string>> larger{
       {error(3) > error(0), percent(error(3), 3) + " against " + percent(error(0), 3)}};
   for (std::size_t b = 0; b < borders.size(); ++b)
-    larger.push_back(
-        {runs.ended[b].interpolation_error() > error(0),
-         "at the border, `" + borders[b] + "`: " + percent(runs.ended[b].interpolation_error(), 3)});
+    larger.push_back({runs.ended[b].interpolation_error() > error(0),
+                      "at the border, `" + borders[b] +
+                          "`: " + percent(runs.ended[b].interpolation_error(), 3)});
   report.add(
       "Bar: the interpolation error is larger with cubic splines than with linear functions.",
       larger);
@@ -90,10 +91,10 @@ void judge_errors(Conclusions& report, const BarRuns& runs) {
     zero.push_back({runs.consistent[m].interpolation_error() < 1e-5,
                     plain_name(interpolations[m]) + ": " +
                         number(runs.consistent[m].interpolation_error(), 2) + " of the energy"});
-    conserved.push_back({runs.lumped[m].total_error() < 4e-3, plain_name(interpolations[m]) + ": within " +
-                                                             percent(runs.lumped[m].total_error()) +
-                                                             "; with `stress=last` " +
-                                                             percent(runs.last[m].total_error())});
+    conserved.push_back({runs.lumped[m].total_error() < 4e-3,
+                         plain_name(interpolations[m]) + ": within " +
+                             percent(runs.lumped[m].total_error()) + "; with `stress=last` " +
+                             percent(runs.last[m].total_error())});
   }
   report.add("Bar: with consistent mass the interpolation error is zero.", zero);
   report.say(
@@ -116,7 +117,8 @@ void judge_amplitudes(Conclusions& report, const RunBar& run, bool full) {
     if (!full && amplitude != std::string("1")) continue;
     steps += std::string("| ") + amplitude;
     for (const std::string& method : interpolations) {
-      const BendingRun made = run({"method.name=" + method, "constants.A=" + std::string(amplitude)});
+      const BendingRun made =
+          run({"method.name=" + method, "constants.A=" + std::string(amplitude)});
       const bool breaks = !made.failure.empty();
       if (method == "q9") {
         if (breaks && !nine_breaks) when = std::string("A = ") + amplitude + " " + made.outcome();

@@ -90,11 +90,9 @@ void judge_impact(Conclusions& report, const std::vector<double>& gaps,
                              " (linear) and " + number(cubic.speed, 3) + " (cubic splines)"});
     raised.push_back({cubic.beam > 0, gap + number(cubic.beam, 3)});
   }
-  report.add("Box: cubic splines give a smoother collision than linear and 8-node.",
-             smoother);
+  report.add("Box: cubic splines give a smoother collision than linear and 8-node.", smoother);
   report.add("Box: with cubic splines the box goes up more slowly.", slower);
-  report.add("Box: with 8-node elements the box keeps more of its kinetic energy.",
-             energetic);
+  report.add("Box: with 8-node elements the box keeps more of its kinetic energy.", energetic);
   report.add("Box: the common velocity field leaves the beam bent upwards at the end (cubic).",
              raised);
 }
@@ -121,11 +119,12 @@ std::string final_picture(const VerifyOptions& options, const BendingRun& run) {
 Findings measure_box(const VerifyOptions& options, Progress& progress) {
   Conclusions report(box_figure);
   const auto run = [&](const std::string& method, double raised) {
-    BendingRun made =
-        simulate("box_on_beam", {"method.name=" + method}, box_height, [=](BendingProblem& problem) {
-          for (std::size_t p = 0; p < problem.particles.size(); ++p)
-            if (problem.particles.body[p] == 1) problem.particles.x[p][1] += raised;
-        });
+    BendingRun made = simulate("box_on_beam", {"method.name=" + method}, box_height,
+                               [=](BendingProblem& problem) {
+                                 for (std::size_t p = 0; p < problem.particles.size(); ++p)
+                                   if (problem.particles.body[p] == 1)
+                                     problem.particles.x[p][1] += raised;
+                               });
     progress.advance(1);
     return made;
   };
@@ -166,8 +165,8 @@ Findings measure_box(const VerifyOptions& options, Progress& progress) {
   height.x_label = "time";
   height.y_label = "y";
   for (std::size_t m = 0; m < methods.size(); ++m)
-    height.curves.push_back(
-        over_time(plain_name(methods[m]), runs[m], [&](std::size_t k) { return runs[m].watched[k]; }));
+    height.curves.push_back(over_time(plain_name(methods[m]), runs[m],
+                                      [&](std::size_t k) { return runs[m].watched[k]; }));
   report.say(picture(options, paper + ", figure 17, left", height));
   report.say(final_picture(options, runs[2]));
   return report.finish();

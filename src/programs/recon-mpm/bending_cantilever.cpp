@@ -212,7 +212,8 @@ void judge_stress(Conclusions& report, const std::vector<StressFit>& stress) {
   report.say(
       "The slope along x of bilinear functions varies with y: stress is constant along each cell "
       "only.\n\n");
-  report.add("Cantilever: cubic splines with linear functions at the border have non-physical stress.",
+  report.add(
+      "Cantilever: cubic splines with linear functions at the border have non-physical stress.",
       {{stress[cubic_linear].at_clamp > 3 * stress[cubic_linear].inside,
         percent(stress[cubic_linear].at_clamp) + " off next to the clamp"}});
   report.say("The corrected border cures it: " + percent(stress[cubic].at_clamp) +
@@ -225,28 +226,33 @@ void judge_deflection(Conclusions& report, const std::vector<double>& slow,
   const auto both = [&](std::size_t k) {
     return number(slow[k], 3) + ", at t = 20 " + number(dynamic[k], 3);
   };
-  report.add("Cantilever: least deflection with linear functions, most with cubic splines.",
-             {{slow[linear] < std::min({slow[eight], slow[nine], slow[cubic]}), "linear: " + both(linear)},
-              {slow[cubic] > std::max(slow[eight], slow[nine]), "cubic splines, corrected: " + both(cubic)},
-              {slow[cubic_both] > std::max(slow[eight], slow[nine]),
-               "cubic splines with an extra column, as in the source: " + both(cubic_both)}});
+  report.add(
+      "Cantilever: least deflection with linear functions, most with cubic splines.",
+      {{slow[linear] < std::min({slow[eight], slow[nine], slow[cubic]}), "linear: " + both(linear)},
+       {slow[cubic] > std::max(slow[eight], slow[nine]),
+        "cubic splines, corrected: " + both(cubic)},
+       {slow[cubic_both] > std::max(slow[eight], slow[nine]),
+        "cubic splines with an extra column, as in the source: " + both(cubic_both)}});
   report.add("Cantilever: nearly the same deflection with 8- and 9-node elements.",
              {{std::abs(slow[eight] / slow[nine] - 1) < 0.02,
                number(slow[eight], 3) + " and " + number(slow[nine], 3)}});
   constexpr double clear = 0.02;  // less of a difference is none
   const auto off = [&](std::size_t k) { return std::abs(slow[k] - 1); };
   report.add("Cantilever: cubic splines are closest to beam theory; elements deflect far less.",
-             {{off(cubic) < std::min({off(linear), off(eight), off(nine)}) - clear, "cubic splines: " + both(cubic)},
-              {slow[eight] < 0.9 && slow[nine] < 0.9, "8-node: " + both(eight) + "; 9-node: " + both(nine)}});
+             {{off(cubic) < std::min({off(linear), off(eight), off(nine)}) - clear,
+               "cubic splines: " + both(cubic)},
+              {slow[eight] < 0.9 && slow[nine] < 0.9,
+               "8-node: " + both(eight) + "; 9-node: " + both(nine)}});
   report.say(
       "Without locking 1.04 is expected: shear adds 1 %, and six rows of particles have 35/36 of "
       "the second moment of area, which adds 3 %. Linear functions lock: " +
       number(slow[linear], 3) +
       "; at t = 20 they are close to eq. 34 only because the load is fast.\n\n");
-  report.add("Cantilever: for a rigid end of cubic splines an extra column of fixed nodes is enough.",
+  report.add(
+      "Cantilever: for a rigid end of cubic splines an extra column of fixed nodes is enough.",
       {{std::abs(slow[cubic_extra] - 1) < 0.1, "it alone: " + both(cubic_extra)}});
-  report.say("With x = 0 clamped as well: " + both(cubic_both) + "; linear border cells: " + both(cubic_linear) +
-             "; corrected: " + both(cubic) + ".\n\n");
+  report.say("With x = 0 clamped as well: " + both(cubic_both) + "; linear border cells: " +
+             both(cubic_linear) + "; corrected: " + both(cubic) + ".\n\n");
 }
 
 // The strong load, with the paper's interpolations; the run of cubic splines.
@@ -355,9 +361,9 @@ Findings measure_cantilever(const VerifyOptions& options, Progress& progress) {
   report.say(picture(options, paper + ", figure 10", figure_10(quick)));
   report.say(picture(options, paper + ", figure 11",
                      figure_11("11", quick, {linear, eight, nine, cubic, quadratic})));
-  report.say(picture(options, paper + ", figure 11, borders",
-                     figure_11("11, borders", quick,
-                               {cubic, cubic_linear, cubic_both, cubic_extra})));
+  report.say(
+      picture(options, paper + ", figure 11, borders",
+              figure_11("11, borders", quick, {cubic, cubic_linear, cubic_both, cubic_extra})));
   report.say(large_picture(options, splines, Beam::ramp(20)));
   return report.finish();
 }
