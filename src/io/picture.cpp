@@ -314,6 +314,8 @@ LinePlot as_curves(const HeatMap& map) {
 void require_curve(const LinePlot& plot, const Curve& curve) {
   require(curve.x.size() == curve.y.size(), "number of y values of a curve", curve.y.size(),
           "must be that of its x values");
+  require(curve.labels.empty() || curve.labels.size() == curve.x.size(),
+          "number of labels of a curve", curve.labels.size(), "must be that of its x values, or 0");
   const auto check = [&](double value, bool log, bool may_be_nan, const char* axis) {
     const std::string name = std::string(axis) + " of curve '" + curve.name + "'";
     if (std::isnan(value) && may_be_nan) return;
@@ -470,6 +472,11 @@ void draw(const std::filesystem::path& path, const LinePlot& plot) {
                  gnuplot_string(plot.title), " noenhanced font ',14'\n");
   script += "set key outside right top vertical Left reverse noenhanced samplen 2.5 spacing 1.3\n";
   script += "set tmargin 3\nset samples 200\n";
+  for (const Curve& curve : plot.curves)
+    for (std::size_t i = 0; i < curve.labels.size(); ++i)
+      if (!std::isnan(curve.y[i]))
+        script += join("set label ", gnuplot_string(curve.labels[i]), " at first ", curve.x[i],
+                       ", first ", curve.y[i], " left offset char 0.9, char 0.1 noenhanced\n");
   script += "plot ";
   for (std::size_t c = 0; c < plot.curves.size(); ++c) {
     script += join(c == 0 ? "$c" : ", $c", c, " using 1:2", curve_style(plot.curves[c], c));

@@ -259,10 +259,7 @@ void Simulation<D>::scatter(Shape shape_of) {
   ShapeFunctions<D> shape;
   for (const Load<D>& load : problem_.loads) {
     const std::size_t p = load.particle;
-    const Matrix<D>& F = particles.F[p];
-    const double magnitude = load.magnitude(time_);
-    const Vector<D> follower = F.determinant() * (F.inverse().transpose() * load.area);
-    const Vector<D> force = magnitude * (load.direction - follower);
+    const Vector<D> force = force_of(load, particles, time_);
     shape_of.shape(grid, particles, p, shape);
     for (std::size_t k = 0; k < shape.size(); ++k)
       nodes_.force[shape.node[k]] += shape.S[k] * force;
