@@ -85,9 +85,9 @@ void watch(Simulation<D>& simulation, ComparisonRow& row) {
   const bool free = problem.boundaries.empty() && problem.loads.empty() && !problem.body_force &&
                     problem.gravity.isZero();
   if (D > 1 && (problem.exact || free))
-    row.angular_error = distance(now.angular, problem.exact ? exact_angular_momentum(simulation)
-                                                            : start->angular) /
-                        most_angular;
+    row.angular_error =
+        distance(now.angular, problem.exact ? exact_angular_momentum(simulation) : start->angular) /
+        most_angular;
 }
 
 template <int D>

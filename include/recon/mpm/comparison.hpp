@@ -39,7 +39,8 @@ struct ComparisonRow {
   // largest energy on the way.
   double energy_error = none;
   double nanoseconds = none;  // per particle and step, of the fastest tenth of the steps
-  double stable = none;       // largest stable c_p dt / h (stability.hpp), two particles per cell and axis
+  double stable =
+      none;  // largest stable c_p dt / h (stability.hpp), two particles per cell and axis
   std::size_t negative_nodes = 0;  // most nodes of negative mass in a step
   bool sign_change = false;        // a node's mass changed its sign
 };

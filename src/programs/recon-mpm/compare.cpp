@@ -92,12 +92,12 @@ void write_table(const fs::path& path, const std::vector<Row>& rows) {
 
 // Families that a reader tells apart, each in its colour.
 const char* family(const mpm::Method& method) {
-  if (method.update == mpm::Update::pic) return "taylor, affine, polynomial";
+  if (method.update == mpm::Update::pic || method.velocity == mpm::VelocityMap::taylor)
+    return "taylor, affine, polynomial";
   if (method.update == mpm::Update::xpic || method.update == mpm::Update::fmpm) return "filtered";
-  const bool fitted = method.velocity == mpm::VelocityMap::mls ||
-                      method.velocity == mpm::VelocityMap::imls ||
-                      method.velocity == mpm::VelocityMap::cpls ||
-                      method.quadrature != mpm::Quadrature::particles;
+  const bool fitted =
+      method.velocity == mpm::VelocityMap::mls || method.velocity == mpm::VelocityMap::imls ||
+      method.velocity == mpm::VelocityMap::cpls || method.quadrature != mpm::Quadrature::particles;
   return fitted ? "least squares" : "mass-weighted";
 }
 
@@ -127,9 +127,8 @@ void draw_comparison(const fs::path& path, const std::vector<Row>& rows, const C
 }
 
 const Column& column_named(const std::string& name, const std::vector<Row>& rows) {
-  const bool exact = std::any_of(rows.begin(), rows.end(), [](const Row& row) {
-    return !std::isnan(row.displacement_error);
-  });
+  const bool exact = std::any_of(
+      rows.begin(), rows.end(), [](const Row& row) { return !std::isnan(row.displacement_error); });
   const std::string wanted = !name.empty() ? name : exact ? "displacement" : "energy";
   return *std::find_if(std::begin(columns), std::end(columns), [&](const Column& column) {
     return std::string(column.name) == wanted + " error";
@@ -182,8 +181,9 @@ Command add_compare(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->problem.add_to(*command, false);
   command->add_option("--methods", options->methods, "names, with commas (default: all)");
-  command->add_option("--cells", options->cells,
-                      "cells per unit length, with commas (default: the problem's, and twice that)");
+  command->add_option(
+      "--cells", options->cells,
+      "cells per unit length, with commas (default: the problem's, and twice that)");
   command->add_option("--out", options->out, "FILE.csv for the table");
   command->add_option("--picture", options->picture,
                       "FILE.png or .svg: an error over the cost, a point for each method");
