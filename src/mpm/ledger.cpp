@@ -25,7 +25,8 @@ void add_angular(std::array<double, 3>& sum, const Vector<D>& x, const Vector<D>
   }
 }
 
-// V sigma : epsilon / 2 with epsilon the strain that goes with sigma by Hooke's law in plane strain.
+// V sigma : epsilon / 2 with epsilon the strain that goes with sigma by Hooke's law in plane
+// strain.
 template <int D>
 double linear_strain_energy(const Lame& elastic, const Matrix<D>& stress, double volume) {
   const double trace = stress.trace();
@@ -52,30 +53,28 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   // Sums of blocks, added in their order.
   std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
   with_shape(problem.method, [&](auto shape_of) {
-    parallel_blocks(particles.size(), particles_per_block, problem.threads,
-                    [&](std::size_t begin, std::size_t end) {
-                      Ledger& sum = blocks[begin / particles_per_block];
-                      ShapeFunctions<D> shape;
-                      for (std::size_t p = begin; p < end; ++p) {
-                        shape_of.shape(problem.grid, particles, p, shape);
-                        const double m = particles.mass[p];
-                        const Vector<D> momentum = m * particles.v[p];
-                        const Vector<D> now =
-                            particles.v[p] + half * shape.value(nodes.acceleration);
-                        sum.mass += m;
-                        add<D>(sum.momentum, momentum);
-                        add_angular<D>(sum.angular, particles.x[p], momentum);
-                        for (int d = 0; d < D && moments > 0; ++d)
-                          add_angular<D>(
-                              sum.angular, Vector<D>::Unit(d),
-                              m * particles.moments[p * moments + linear_moment(map, d)]);
-                        sum.kinetic += m * now.squaredNorm() / 2;
-                        sum.strain += particles.energy[p];
-                        sum.linear_strain += linear_strain_energy(
-                            lame(problem.materials[particles.body[p]]), particles.stress[p],
-                            particles.volume(p));
-                      }
-                    });
+    parallel_blocks(
+        particles.size(), particles_per_block, problem.threads,
+        [&](std::size_t begin, std::size_t end) {
+          Ledger& sum = blocks[begin / particles_per_block];
+          ShapeFunctions<D> shape;
+          for (std::size_t p = begin; p < end; ++p) {
+            shape_of.shape(problem.grid, particles, p, shape);
+            const double m = particles.mass[p];
+            const Vector<D> momentum = m * particles.v[p];
+            const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration);
+            sum.mass += m;
+            add<D>(sum.momentum, momentum);
+            add_angular<D>(sum.angular, particles.x[p], momentum);
+            for (int d = 0; d < D && moments > 0; ++d)
+              add_angular<D>(sum.angular, Vector<D>::Unit(d),
+                             m * particles.moments[p * moments + linear_moment(map, d)]);
+            sum.kinetic += m * now.squaredNorm() / 2;
+            sum.strain += particles.energy[p];
+            sum.linear_strain += linear_strain_energy(lame(problem.materials[particles.body[p]]),
+                                                      particles.stress[p], particles.volume(p));
+          }
+        });
   });
   Ledger ledger;
   ledger.step = simulation.steps();

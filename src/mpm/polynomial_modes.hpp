@@ -2,11 +2,11 @@
 // that carry more than a velocity (Jiang et al. 2015; Fu et al. 2017).
 //
 // On each axis s_0 = 1, s_1 = d, s_2 = d^2 - kappa d - nu with d = x_i - x_p and
-// sum_i S_i s_r s_q = 0; in D dimensions their products. For quadratic splines inside the grid nu = h^2
-// / 4 and kappa = z (h^2 - 4 z^2) / h^2 with z = x_p less the nearest node: the closed forms of the
-// sources. Built from the functions themselves they hold for every basis of positive products, and
-// next to a face, where splines end otherwise. What a particle remembers are the moments
-// b_r = sum_i S_i s_r(x_i) v_i; its field is v_p + sum_r b_r s_r / norm_r, norm_r = sum_i S_i s_r^2.
+// sum_i S_i s_r s_q = 0; in D dimensions their products. For quadratic splines inside the grid nu =
+// h^2 / 4 and kappa = z (h^2 - 4 z^2) / h^2 with z = x_p less the nearest node: the closed forms of
+// the sources. Built from the functions themselves they hold for every basis of positive products,
+// and next to a face, where splines end otherwise. What a particle remembers are the moments b_r =
+// sum_i S_i s_r(x_i) v_i; its field is v_p + sum_r b_r s_r / norm_r, norm_r = sum_i S_i s_r^2.
 #pragma once
 
 #include "recon/mpm/method.hpp"

@@ -156,8 +156,9 @@ class Reader {
     chosen.degree = method.integer("degree", chosen.degree, 1, 3);
     chosen.order = method.integer("order", chosen.order, 1, 1000);
     chosen.momentum_correction = method.boolean("momentum_correction", false);
-    choose(method, "basis", chosen.basis, {Basis::linear, Basis::q8, Basis::q9, Basis::bspline2,
-                                           Basis::bspline3, Basis::mls_bspline2});
+    choose(method, "basis", chosen.basis,
+           {Basis::linear, Basis::q8, Basis::q9, Basis::bspline2, Basis::bspline3,
+            Basis::mls_bspline2});
     choose(method, "mass", chosen.mass, {MassMatrix::lumped, MassMatrix::consistent});
     choose(method, "spline_border", chosen.border,
            {SplineBorder::corrected, SplineBorder::extra_column, SplineBorder::linear_cells});

@@ -326,7 +326,7 @@ std::vector<Vector<D>> Simulation<D>::filtered(std::vector<Vector<D>> velocity) 
           });
     });
     for (std::size_t i = 0; i < left.size(); ++i)
-      if (nodes_.mass[i] > 0) left[i] -= back[i] / nodes_.mass[i];
+      if (nodes_.mass[i] != 0) left[i] -= back[i] / nodes_.mass[i];
     for (const HeldVelocity& held : held_) left[held.node][held.axis] = 0;
     for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
   }
@@ -392,7 +392,7 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
             particles.v[p] += kick * shape.value(nodes_.acceleration);
           else
             particles.v[p] = v;
-          shape_of.move(grid, particles, p, nodes_.velocity, dt);
+          shape_of.move(grid, particles, p, flip ? nodes_.velocity : carried_, dt);
         }
       });
 }

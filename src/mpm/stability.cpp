@@ -58,7 +58,8 @@ bool stable(const Method& method, int per_cell, double courant) {
   std::mt19937 random(1);
   for (auto& v : problem.particles.v)
     for (double& each : v)
-      each = 1e-9 * (static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 0.5);
+      each =
+          1e-9 * (static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 0.5);
   const double start = energy(problem.particles);
   Simulation<D> simulation(std::move(problem));
   try {
