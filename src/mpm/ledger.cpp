@@ -39,7 +39,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const double half = simulation.velocity_lag();
 
   const VelocityMap map = problem.method.velocity;
-  const auto moments = static_cast<std::size_t>(moment_count(map, D));
+  [[maybe_unused]] const auto modes = static_cast<std::size_t>(mode_count(map, D));
 
   // Sums of blocks, added in their order.
   std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
@@ -49,6 +49,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
         [&](std::size_t begin, std::size_t end) {
           Ledger& sum = blocks[begin / particles_per_block];
           ShapeFunctions<D> shape;
+          [[maybe_unused]] PolynomialModes<D> of;
           for (std::size_t p = begin; p < end; ++p) {
             shape_of.shape(problem.grid, particles, p, shape);
             const double m = particles.mass[p];
@@ -57,9 +58,17 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
             sum.mass += m;
             add<D>(sum.momentum, momentum);
             add_angular<D>(sum.angular, particles.x[p], momentum);
-            for (int d = 0; d < D && moments > 0; ++d)
-              add_angular<D>(sum.angular, Vector<D>::Unit(d),
-                             m * particles.moments[p * moments + linear_moment(map, d)]);
+            if constexpr (is_product<D, decltype(shape_of)>) {
+              if (modes > 0) {
+                of.fill(problem.grid, shape_of.axes(problem.grid, particles.x[p]), particles.x[p],
+                        map);
+                for (int d = 0; d < D; ++d) {
+                  const int r = linear_mode(map, d);
+                  add_angular<D>(sum.angular, Vector<D>::Unit(d),
+                                 m * of.norm(r) * particles.modes[p * modes + r]);
+                }
+              }
+            }
             sum.kinetic += m * now.squaredNorm() / 2;
             sum.strain += particles.energy[p];
             sum.linear_strain += linear_strain_energy(lame(problem.materials[particles.body[p]]),

@@ -88,7 +88,7 @@ void Method::validate(int dimension) const {
           name_of(velocity),
           "needs point particles and functions that are positive products: linear or splines");
   require(!remembers || update == Update::pic, "update of the method", name_of(update),
-          "does not fill the moments that affine and polynomial maps need; pic does");
+          "does not leave what affine and polynomial maps remember; pic does");
   require(mass == MassMatrix::lumped || (!cell_fits && !fitted), "mass matrix of the method",
           "consistent", "is for mass-weighted velocities and mass from particles or Gauss points");
   require(mass == MassMatrix::lumped || update == Update::flip || update == Update::pic,

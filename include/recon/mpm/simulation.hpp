@@ -132,7 +132,7 @@ class Simulation {
   template <class Shape>
   void gather(Shape shape_of, double dt, double kick);
   template <class Shape>
-  void start_moments(Shape shape_of);
+  void start_modes(Shape shape_of);
   void move(std::size_t p, const Vector<D>& x, const Matrix<D>& L, const Matrix<D>& F, double dt);
   void integrate_cells();
   void fit_velocity();
