@@ -93,6 +93,8 @@ void Method::validate(int dimension) const {
           "consistent", "is for mass-weighted velocities and mass from particles or Gauss points");
   require(mass == MassMatrix::lumped || update == Update::flip || update == Update::pic,
           "update of the method", name_of(update), "is for lumped mass");
+  require(update != Update::runge_kutta || domain != Domain::cpdi2, "update of the method",
+          name_of(update), "does not move the corners of cpdi2; cpdi1 has none to move");
 }
 
 namespace {

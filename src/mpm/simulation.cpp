@@ -39,15 +39,12 @@ struct Scratch {
   std::vector<Vector<D>> velocity;  // that the particle shows to each of its nodes
 };
 
-// sum_r b_r s_r / norm_r at all nodes is added to `velocity`.
+// The field of the moments at all nodes is added to `velocity`.
 template <int D>
 void add_modes(const PolynomialModes<D>& modes, const Vector<D>* moments,
                std::vector<Vector<D>>& velocity) {
-  for (int r = 0; r < modes.count(); ++r) {
-    if (modes.norm(r) == 0) continue;
-    const Vector<D> factor = moments[r] / modes.norm(r);
-    for (std::size_t n = 0; n < velocity.size(); ++n) velocity[n] += modes.value(r, n) * factor;
-  }
+  for (int r = 0; r < modes.count(); ++r)
+    for (std::size_t n = 0; n < velocity.size(); ++n) velocity[n] += modes.value(r, n) * moments[r];
 }
 
 }  // namespace
@@ -78,7 +75,13 @@ void Simulation<D>::start_moments(Shape shape_of) {
     const VelocityMap map = problem_.method.velocity;
     const int count = moment_count(map, D);
     Particles<D>& particles = problem_.particles;
-    if (count == 0 || !particles.moments.empty()) return;
+    if (count == 0) return;
+    if (!particles.moments.empty()) {
+      require(particles.moments.size() == particles.size() * static_cast<std::size_t>(count),
+              "moments of the particles", particles.moments.size(),
+              "must be those of the method for each particle, or none");
+      return;
+    }
     particles.moments.assign(particles.size() * static_cast<std::size_t>(count), Vector<D>::Zero());
     PolynomialModes<D> modes;
     for (std::size_t p = 0; p < particles.size(); ++p) {
@@ -86,7 +89,7 @@ void Simulation<D>::start_moments(Shape shape_of) {
       for (int d = 0; d < D; ++d) {
         const int r = linear_moment(map, d);
         particles.moments[p * static_cast<std::size_t>(count) + static_cast<std::size_t>(r)] =
-            modes.norm(r) * particles.L[p].col(d);
+            modes.second(d) * particles.L[p].col(d);
       }
     }
   }
@@ -164,7 +167,10 @@ void Simulation<D>::map() {
       nodes_.acceleration[i] += nodes_.force[i] / nodes_.mass[i];
   }
   if (method.mass == MassMatrix::consistent) solve_consistent();
-  if (fits_velocity(method.velocity)) fit_velocity();
+  if (fits_velocity(method.velocity)) fit_velocity(problem_, nodes_);
+  if (method.momentum_correction &&
+      (fits_velocity(method.velocity) || method.quadrature == Quadrature::gauss_cells))
+    correct_momentum();
   nodes_.velocity = nodes_.mapped;
   hold_boundaries();
 }
@@ -275,10 +281,8 @@ void Simulation<D>::integrate_cells() {
 }
 
 template <int D>
-void Simulation<D>::fit_velocity() {
+void Simulation<D>::correct_momentum() {
   const Particles<D>& particles = problem_.particles;
-  mpm::fit_velocity(problem_, nodes_);
-  if (!problem_.method.momentum_correction) return;
   Vector<D> missing = Vector<D>::Zero();
   double mass = 0;
   for (std::size_t p = 0; p < particles.size(); ++p) missing += particles.mass[p] * particles.v[p];
@@ -287,7 +291,7 @@ void Simulation<D>::fit_velocity() {
     mass += nodes_.mass[i];
   }
   for (std::size_t i = 0; i < nodes_.mass.size(); ++i)
-    if (nodes_.mass[i] > 0) nodes_.mapped[i] += missing / mass;
+    if (nodes_.mass[i] != 0) nodes_.mapped[i] += missing / mass;
 }
 
 template <int D>
@@ -381,7 +385,7 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
               for (int r = 0; r < scratch.modes.count(); ++r) {
                 Vector<D> sum = Vector<D>::Zero();
                 for (std::size_t k = 0; k < shape.size(); ++k)
-                  sum += shape.S[k] * scratch.modes.value(r, k) * carried_[shape.node[k]];
+                  sum += scratch.modes.dual(r, k) * carried_[shape.node[k]];
                 particles.moments[p * moments + static_cast<std::size_t>(r)] = sum;
               }
             }

@@ -121,8 +121,8 @@ TYPED_TEST(Bases, SplinesArePositiveAndInterpolateAtFaces) {
   }
 }
 
-// The largest jump of S, of its slope times h and of its second derivative times h^2, over the knots
-// and the faces' neighbourhood: all multiples of h / 2.
+// The largest jump of S, of its slope times h and of its second derivative times h^2, over the
+// knots and the faces' neighbourhood: all multiples of h / 2.
 template <class Policy>
 std::array<double, 3> jumps(const Policy& policy, const Grid<1>& grid) {
   std::array<double, 3> most{};
@@ -141,8 +141,7 @@ std::array<double, 3> jumps(const Policy& policy, const Grid<1>& grid) {
     most[0] = std::max(most[0], jump([](const auto& f) { return f.S; }));
     most[1] = std::max(most[1], h * jump([](const auto& f) { return Eigen::VectorXd(f.G); }));
     most[2] = std::max(
-        most[2],
-        h * h * ((after.G - right.G) - (left.G - before.G)).cwiseAbs().maxCoeff() / step);
+        most[2], h * h * ((after.G - right.G) - (left.G - before.G)).cwiseAbs().maxCoeff() / step);
   }
   return most;
 }
@@ -296,7 +295,8 @@ TEST(Elements, EightNodesHaveQuadraticsAndTwoCubics) {
   const Grid<2> grid = unit_grid<2>(4);
   std::mt19937 random(16);
   using Powers = std::array<int, 3>;
-  for (const Powers& powers : {Powers{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {2, 1}, {1, 2}}) {
+  for (const Powers& powers :
+       {Powers{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {2, 1}, {1, 2}}) {
     const auto [field, slope] = monomial<2>(powers);
     for (int round = 0; round < 20; ++round)
       EXPECT_LE(error_of(EightNode{}, grid, random_point<2>(random), field, slope), rounding);
@@ -312,19 +312,23 @@ TEST(Elements, EightNodesHaveQuadraticsAndTwoCubics) {
 // clockwise from the lower left corner.
 TEST(Elements, AreThoseOfTheSource) {
   const Grid<2> grid(Vector<2>(-1, -1), Vector<2>(1, 1), 1);
-  constexpr int place[9][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}, {1, 1}};
+  constexpr int place[9][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2},
+                               {1, 2}, {0, 2}, {0, 1}, {1, 1}};
   std::mt19937 random(17);
   for (int round = 0; round < 50; ++round) {
     const double x = uniform(random, -1, 1), y = uniform(random, -1, 1);
-    const double nine[9] = {(x * x - x) * (y * y - y) / 4, (1 - x * x) * (y * y - y) / 2,
-                            (x * x + x) * (y * y - y) / 4, (x * x + x) * (1 - y * y) / 2,
-                            (x * x + x) * (y * y + y) / 4, (1 - x * x) * (y * y + y) / 2,
-                            (x * x - x) * (y * y + y) / 4, (x * x - x) * (1 - y * y) / 2,
-                            (1 - x * x) * (1 - y * y)};
-    const double eight[9] = {(1 - x) * (1 - y) * (-x - y - 1) / 4, (1 - x * x) * (1 - y) / 2,
-                             (1 + x) * (1 - y) * (x - y - 1) / 4,  (1 + x) * (1 - y * y) / 2,
-                             (1 + x) * (1 + y) * (x + y - 1) / 4,  (1 - x * x) * (1 + y) / 2,
-                             (1 - x) * (1 + y) * (-x + y - 1) / 4, (1 - x) * (1 - y * y) / 2,
+    const double nine[9] = {
+        (x * x - x) * (y * y - y) / 4, (1 - x * x) * (y * y - y) / 2, (x * x + x) * (y * y - y) / 4,
+        (x * x + x) * (1 - y * y) / 2, (x * x + x) * (y * y + y) / 4, (1 - x * x) * (y * y + y) / 2,
+        (x * x - x) * (y * y + y) / 4, (x * x - x) * (1 - y * y) / 2, (1 - x * x) * (1 - y * y)};
+    const double eight[9] = {(1 - x) * (1 - y) * (-x - y - 1) / 4,
+                             (1 - x * x) * (1 - y) / 2,
+                             (1 + x) * (1 - y) * (x - y - 1) / 4,
+                             (1 + x) * (1 - y * y) / 2,
+                             (1 + x) * (1 + y) * (x + y - 1) / 4,
+                             (1 - x * x) * (1 + y) / 2,
+                             (1 - x) * (1 + y) * (-x + y - 1) / 4,
+                             (1 - x) * (1 - y * y) / 2,
                              0};
     const Functions q8(EightNode{}, grid, Vector<2>(x, y)), q9(NineNode{}, grid, Vector<2>(x, y));
     for (int n = 0; n < 9; ++n) {
@@ -342,8 +346,8 @@ TYPED_TEST(Bases, ElementsInterpolateAtTheirNodes) {
   for (std::size_t i = 0; i < grid.size(); ++i)
     for (const double off : {-1e-15, 0.0, 1e-15}) {
       const Vector<D> x = grid.position(i).array() + off;
-      const Eigen::VectorXd unit =
-          Eigen::VectorXd::Unit(static_cast<Eigen::Index>(grid.size()), static_cast<Eigen::Index>(i));
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(static_cast<Eigen::Index>(grid.size()),
+                                                         static_cast<Eigen::Index>(i));
       EXPECT_LE((Functions(NineNode{}, grid, x).S - unit).norm(), 10 * rounding);
       if constexpr (D == 2) {
         const auto index = grid.nodes().index(i);

@@ -74,7 +74,11 @@ TEST(Convergence, LargeDeformationIn2D) {
 // figure 4.7).
 TEST(Convergence, SmallDeformation) {
   ConvergenceStudy asked;
-  for (const Method& method : methods()) asked.methods.push_back(method.name);
+  for (const Method& method : methods())
+    if (method.basis == Basis::q8)
+      EXPECT_THROW(method.validate(1), InvalidArgument) << method.name;
+    else
+      asked.methods.push_back(method.name);
   asked.cells = {8, 16, 32};
   asked.times = {1};
   const auto rows = converge(

@@ -30,8 +30,9 @@ struct Particles {
   std::vector<double> energy;      // strain energy of the particle
   std::vector<std::int32_t> body;  // number of its body
   std::vector<Corners> corners;    // of CPDI2 only, else empty
-  // sum_i S_ip s_r(x_i) v_i of the polynomials s_r about the particle, those of a particle in a
-  // row; of the maps affine (apic) and polynomial (polypic) only, else empty
+  // Of the maps affine (apic) and polynomial (polypic) only, else empty: what a particle knows of
+  // the velocity about it beyond v, that of a particle in a row. apic: the columns of
+  // B_p = sum_i S_ip v_i (x_i - x_p)^T; polypic: see src/mpm/polynomial_modes.hpp
   std::vector<Vector<D>> moments;
 
   std::size_t size() const { return x.size(); }
