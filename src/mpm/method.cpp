@@ -89,6 +89,14 @@ void Method::validate(int dimension) const {
           "needs point particles and functions that are positive products: linear or splines");
   require(!remembers || update == Update::pic, "update of the method", name_of(update),
           "does not fill the moments that affine and polynomial maps need; pic does");
+  require(!cell_fits || domain == Domain::point, "quadrature of the method", name_of(quadrature),
+          "needs point particles: domains reach nodes that have no mass from the cells");
+  require(!cell_fits || fitted, "velocity map of the method", name_of(velocity),
+          "divides the momentum of particles by the mass of cells, which is another: mls, imls and "
+          "cpls do not");
+  require(quadrature == Quadrature::particles || (update != Update::xpic && update != Update::fmpm),
+          "update of the method", name_of(update),
+          "divides by the mass of particles: the quadrature must be over them");
   require(mass == MassMatrix::lumped || (!cell_fits && !fitted), "mass matrix of the method",
           "consistent", "is for mass-weighted velocities and mass from particles or Gauss points");
   require(mass == MassMatrix::lumped || update == Update::flip || update == Update::pic,
