@@ -71,7 +71,13 @@ void Simulation<D>::start_modes(Shape shape_of) {
     const VelocityMap map = problem_.method.velocity;
     const int count = mode_count(map, D);
     Particles<D>& particles = problem_.particles;
-    if (count == 0 || !particles.modes.empty()) return;
+    if (count == 0) return;
+    if (!particles.modes.empty()) {
+      require(particles.modes.size() == particles.size() * static_cast<std::size_t>(count),
+              "modes of the particles", particles.modes.size(),
+              "must be those of the method for each particle, or none");
+      return;
+    }
     particles.modes.assign(particles.size() * static_cast<std::size_t>(count), Vector<D>::Zero());
     PolynomialModes<D> modes;
     for (std::size_t p = 0; p < particles.size(); ++p) {
@@ -157,7 +163,10 @@ void Simulation<D>::map() {
       nodes_.acceleration[i] += nodes_.force[i] / nodes_.mass[i];
   }
   if (method.mass == MassMatrix::consistent) solve_consistent();
-  if (fits_velocity(method.velocity)) fit_velocity();
+  if (fits_velocity(method.velocity)) fit_velocity(problem_, nodes_);
+  if (method.momentum_correction &&
+      (fits_velocity(method.velocity) || method.quadrature == Quadrature::gauss_cells))
+    correct_momentum();
   nodes_.velocity = nodes_.mapped;
   hold_boundaries();
 }
@@ -265,10 +274,8 @@ void Simulation<D>::integrate_cells() {
 }
 
 template <int D>
-void Simulation<D>::fit_velocity() {
+void Simulation<D>::correct_momentum() {
   const Particles<D>& particles = problem_.particles;
-  mpm::fit_velocity(problem_, nodes_);
-  if (!problem_.method.momentum_correction) return;
   Vector<D> missing = Vector<D>::Zero();
   double mass = 0;
   for (std::size_t p = 0; p < particles.size(); ++p) missing += particles.mass[p] * particles.v[p];
@@ -277,7 +284,7 @@ void Simulation<D>::fit_velocity() {
     mass += nodes_.mass[i];
   }
   for (std::size_t i = 0; i < nodes_.mass.size(); ++i)
-    if (nodes_.mass[i] > 0) nodes_.mapped[i] += missing / mass;
+    if (nodes_.mass[i] != 0) nodes_.mapped[i] += missing / mass;
 }
 
 template <int D>

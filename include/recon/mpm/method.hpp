@@ -72,7 +72,8 @@ struct Method {
   int order = 2;   // m of xpic and fmpm
   MassMatrix mass = MassMatrix::lumped;
   SplineBorder border = SplineBorder::corrected;
-  bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles'
+  bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles',
+                                       // also those of gauss_cells
   bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
 
   // Throws InvalidArgument for choices that do not go together, saying why.

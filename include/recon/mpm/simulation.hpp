@@ -135,7 +135,7 @@ class Simulation {
   void start_modes(Shape shape_of);
   void move(std::size_t p, const Vector<D>& x, const Matrix<D>& L, const Matrix<D>& F, double dt);
   void integrate_cells();
-  void fit_velocity();
+  void correct_momentum();
   void solve_consistent();
   void watch_mass(double lightest);
   void find_held();
