@@ -4,6 +4,7 @@
 
 #ifdef RECON_BENCH_HAS_MPM
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -59,14 +60,24 @@ double worst(const Simulation<D>& simulation) {
   return std::max(std::abs(mass / total - 1) / 1e-9, fitted ? error / 1e-9 : 0.0);
 }
 
+// q8 is for 2-D; hopic's cubic fits by lists would take longer in 3-D than all others together.
+template <int D>
+bool can_run(const Method& method) {
+  return D == 2 || (method.basis != Basis::q8 && method.update != Update::runge_kutta);
+}
+
 template <int D>
 void time_methods(Lab& lab, std::size_t cells, Table& table) {
   const std::string name = std::to_string(D) + "-D";
   progress("mpm, " + name);
   std::vector<std::unique_ptr<Simulation<D>>> simulations;
   std::vector<Contestant> all;
+  std::vector<const Method*> compared;
+  for (const Method& method : methods())
+    if (can_run<D>(method)) compared.push_back(&method);
   for (const int threads : {lab.context.threads, 1})
-    for (const Method& method : methods()) {
+    for (const Method* each : compared) {
+      const Method& method = *each;
       auto& made = simulations.emplace_back(
           std::make_unique<Simulation<D>>(full_block<D>(cells, method, threads)));
       made->map();
@@ -79,26 +90,29 @@ void time_methods(Lab& lab, std::size_t cells, Table& table) {
     }
   const auto particles = static_cast<double>(simulations.front()->particles().size());
   const auto times = lab.stopwatch.run("mpm/" + name, all, 3);
-  const std::size_t count = methods().size();
-  const auto time_of = [&](const std::string& method) {
-    for (std::size_t m = 0; m < count; ++m)
-      if (methods()[m].name == method) return times[m];
-    return Times{};
+  const std::size_t count = compared.size();
+  const auto time_of = [&](const auto& is_it) {
+    const auto found = std::find_if(compared.begin(), compared.end(),
+                                    [&](const Method* method) { return is_it(*method); });
+    return times[static_cast<std::size_t>(found - compared.begin())];
+  };
+  const auto named = [](const char* wanted) {
+    return [wanted](const Method& method) { return method.name == wanted; };
   };
   for (std::size_t m = 0; m < count; ++m) {
-    const Method& method = methods()[m];
-    // The same domain without any fit; corners cost what they cost.
-    const Times base = time_of(method.domain == Domain::point   ? "mpm"
-                               : method.domain == Domain::cpdi1 ? "cpdi1"
-                               : method.domain == Domain::cpdi2 ? "cpdi2"
-                                                                : method.name);
+    const Method& method = *compared[m];
+    // The same particles and functions with nothing but the mass-weighted map.
+    const Times base = time_of([&](const Method& plain) {
+      return plain.domain == method.domain &&
+             plain.basis == (method.basis == Basis::mls_bspline2 ? Basis::bspline2 : method.basis);
+    });
     const double ns = times[m].best() / particles * 1e9;
     table.add({name, number(particles), method.name, number(ns), number(1e3 / ns),
                number(times[m + count].best() / times[m].best()),
                number(100 * std::max(0.0, 1 - base.best() / times[m].best())),
-               number(speedup(time_of("mpm"), times[m]))});
+               number(speedup(time_of(named("mpm")), times[m]))});
   }
-  const Times mpm = time_of("mpm"), impm = time_of("impm");
+  const Times mpm = time_of(named("mpm")), impm = time_of(named("impm"));
   lab.summary.at_most("mpm " + name, "ns per particle and step: impm against mpm",
                       impm.best() / particles * 1e9, mpm.best() / particles * 1e9,
                       1 / speedup(mpm, impm), impm_goal);
@@ -112,13 +126,12 @@ Section run_mpm(Lab& lab) {
                "million particles per second", "2 threads / 1", "reconstruction %", "time / mpm"});
   time_methods<2>(lab, lab.choose(200, 100, 8), table);
   time_methods<3>(lab, lab.choose(40, 24, 4), table);
-  return {
-      "Material point method",
-      "A full block, 2 particles per cell and axis; a step is map() and advance(). "
-      "\"Reconstruction\": the part of the time beyond the method with the same particle domain "
-      "and the mass-weighted map.",
-      {table},
-      {}};
+  return {"Material point method",
+          "A full block, 2 particles per cell and axis; a step is map() and advance(). "
+          "\"Reconstruction\": the part of the time beyond the method with the same particles and "
+          "functions and the mass-weighted map.",
+          {table},
+          {}};
 }
 
 }  // namespace recon_bench

@@ -314,6 +314,8 @@ LinePlot as_curves(const HeatMap& map) {
 void require_curve(const LinePlot& plot, const Curve& curve) {
   require(curve.x.size() == curve.y.size(), "number of y values of a curve", curve.y.size(),
           "must be that of its x values");
+  require(curve.labels.empty() || curve.labels.size() == curve.x.size(),
+          "number of labels of a curve", curve.labels.size(), "must be that of its x values, or 0");
   const auto check = [&](double value, bool log, bool may_be_nan, const char* axis) {
     const std::string name = std::string(axis) + " of curve '" + curve.name + "'";
     if (std::isnan(value) && may_be_nan) return;
@@ -352,6 +354,67 @@ std::string curve_style(const Curve& curve, std::size_t index) {
   if (markers)
     text += join(" pointtype ", curve_markers[index % curve_markers.size()], " pointsize 1.1");
   return text + (curve.name.empty() ? " notitle" : join(" title ", gnuplot_string(curve.name)));
+}
+
+// Labels beside their points: of a few places the first where no point and no label is, as far as
+// rough sizes of letters tell.
+std::string labels(const LinePlot& plot, const Range& x_range, const Range& y_range) {
+  constexpr double width = 530, height = 480, letter = 8.2, line = 15, point = 6;
+  struct Box {
+    double left, right, low, high;
+    bool meets(const Box& other) const {
+      return left < other.right && other.left < right && low < other.high && other.low < high;
+    }
+  };
+  const auto place = [](double value, const Range& range, bool log) {
+    return log ? std::log(value / range[0]) / std::log(range[1] / range[0])
+               : (value - range[0]) / (range[1] - range[0]);
+  };
+  std::vector<Box> taken;
+  for (const Curve& curve : plot.curves)
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      if (std::isnan(curve.y[i])) continue;
+      const double x = width * place(curve.x[i], x_range, plot.log_x),
+                   y = height * place(curve.y[i], y_range, plot.log_y);
+      taken.push_back({x - point, x + point, y - point, y + point});
+    }
+  std::string script;
+  std::size_t at = 0;
+  for (const Curve& curve : plot.curves)
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      if (std::isnan(curve.y[i])) continue;
+      const Box dot = taken[at++];
+      if (curve.labels.empty()) continue;
+      const double x = (dot.left + dot.right) / 2, y = (dot.low + dot.high) / 2;
+      const double length = letter * static_cast<double>(curve.labels[i].size());
+      double up = 0;
+      bool left = false;
+      for (const auto& [side, lines] : {std::pair{false, 0.0},
+                                        {true, 0.0},
+                                        {false, 1.0},
+                                        {false, -1.0},
+                                        {true, 1.0},
+                                        {true, -1.0},
+                                        {false, 2.0},
+                                        {false, -2.0},
+                                        {true, 2.0},
+                                        {true, -2.0}}) {
+        const double from = side ? x - 8 - length : x + 8;
+        const Box box{from, from + length, y + (lines - 0.5) * line, y + (lines + 0.5) * line};
+        if (box.left < 0 || box.right > width || box.low < 0 || box.high > height ||
+            std::any_of(taken.begin(), taken.end(),
+                        [&](const Box& other) { return box.meets(other); }))
+          continue;
+        left = side;
+        up = lines;
+        taken.push_back(box);
+        break;
+      }
+      script += join("set label ", gnuplot_string(curve.labels[i]), " at first ", curve.x[i],
+                     ", first ", curve.y[i], left ? " right" : " left", " offset char ",
+                     left ? -0.9 : 0.9, ", char ", 0.1 + 0.95 * up, " noenhanced\n");
+    }
+  return script;
 }
 
 // The reference line y = factor x^slope lies below the first curve wherever that has values.
@@ -470,6 +533,7 @@ void draw(const std::filesystem::path& path, const LinePlot& plot) {
                  gnuplot_string(plot.title), " noenhanced font ',14'\n");
   script += "set key outside right top vertical Left reverse noenhanced samplen 2.5 spacing 1.3\n";
   script += "set tmargin 3\nset samples 200\n";
+  script += labels(plot, x, y);
   script += "plot ";
   for (std::size_t c = 0; c < plot.curves.size(); ++c) {
     script += join(c == 0 ? "$c" : ", $c", c, " using 1:2", curve_style(plot.curves[c], c));

@@ -156,7 +156,7 @@ void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& si
     const Particles<D>& particles = simulation.particles();
     for_all_arrays(write, particles);
     if (!particles.corners.empty()) write("corners", particles.corners);
-    if (!particles.moments.empty()) write("moments", particles.moments);
+    if (!particles.modes.empty()) write("modes", particles.modes);
     write("frame_times", state.frame_times);
     write.attribute("dimension", D);
     write.attribute("method", simulation.problem().method.name);
@@ -188,11 +188,12 @@ RunState read_checkpoint(const std::filesystem::path& path, Simulation<D>& simul
   Particles<D> particles;
   for_all_arrays(read, particles);
   if (!simulation.particles().corners.empty()) read("corners", particles.corners);
-  if (!simulation.particles().moments.empty()) {
-    read("moments", particles.moments, false);
-    read.check(particles.moments.size() == simulation.particles().moments.size(),
-               "has " + std::to_string(particles.moments.size()) + " moments, the problem needs " +
-                   std::to_string(simulation.particles().moments.size()));
+  if (!simulation.particles().modes.empty()) {
+    read("modes", particles.modes, false);
+    read.check(particles.modes.size() == simulation.particles().modes.size(),
+               "has " + std::to_string(particles.modes.size()) +
+                   " coefficients of modes, the problem needs " +
+                   std::to_string(simulation.particles().modes.size()));
   }
   simulation.restore(std::move(particles), read.number("time"),
                      static_cast<std::int64_t>(read.number("steps")), read.number("last_dt"));

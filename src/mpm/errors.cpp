@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mpm/angular.hpp"
+
 namespace recon::mpm {
 
 namespace {
@@ -54,8 +56,24 @@ double error_of(const Simulation<D>& simulation, std::size_t particle, const std
   recon::detail::throw_invalid("field", field, "must be displacement, velocity, density or stress");
 }
 
-#define RECON_INSTANTIATE(D)                                     \
-  template std::vector<FieldError> errors(const Simulation<D>&); \
+template <int D>
+std::array<double, 3> exact_angular_momentum(const Simulation<D>& simulation) {
+  const Problem<D>& problem = simulation.problem();
+  const Particles<D>& particles = simulation.particles();
+  require(problem.exact != nullptr, "problem", problem.title, "has no exact solution");
+  std::array<double, 3> sum{};
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const Vector<D>& X = particles.X[p];
+    const Vector<D> x = X + problem.exact->at(X, simulation.time()).displacement;
+    const double before = simulation.time() - simulation.velocity_lag();
+    add_angular<D>(sum, x, particles.mass[p] * problem.exact->at(X, before).velocity);
+  }
+  return sum;
+}
+
+#define RECON_INSTANTIATE(D)                                                   \
+  template std::vector<FieldError> errors(const Simulation<D>&);               \
+  template std::array<double, 3> exact_angular_momentum(const Simulation<D>&); \
   template double error_of(const Simulation<D>&, std::size_t, const std::string&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "mpm/angular.hpp"
 #include "mpm/polynomial_modes.hpp"
 #include "recon/core/parallel.hpp"
 
@@ -15,17 +16,8 @@ void add(std::array<double, 3>& sum, const Vector<D>& value) {
   for (int d = 0; d < D; ++d) sum[d] += value[d];
 }
 
-// x x p; only the last component in 2-D, nothing in 1-D.
-template <int D>
-void add_angular(std::array<double, 3>& sum, const Vector<D>& x, const Vector<D>& p) {
-  if constexpr (D >= 2) sum[2] += x[0] * p[1] - x[1] * p[0];
-  if constexpr (D == 3) {
-    sum[0] += x[1] * p[2] - x[2] * p[1];
-    sum[1] += x[2] * p[0] - x[0] * p[2];
-  }
-}
-
-// V sigma : epsilon / 2 with epsilon the strain that goes with sigma by Hooke's law in plane strain.
+// V sigma : epsilon / 2 with epsilon the strain that goes with sigma by Hooke's law in plane
+// strain.
 template <int D>
 double linear_strain_energy(const Lame& elastic, const Matrix<D>& stress, double volume) {
   const double trace = stress.trace();
@@ -47,35 +39,42 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const double half = simulation.velocity_lag();
 
   const VelocityMap map = problem.method.velocity;
-  const auto moments = static_cast<std::size_t>(moment_count(map, D));
+  [[maybe_unused]] const auto modes = static_cast<std::size_t>(mode_count(map, D));
 
   // Sums of blocks, added in their order.
   std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
   with_shape(problem.method, [&](auto shape_of) {
-    parallel_blocks(particles.size(), particles_per_block, problem.threads,
-                    [&](std::size_t begin, std::size_t end) {
-                      Ledger& sum = blocks[begin / particles_per_block];
-                      ShapeFunctions<D> shape;
-                      for (std::size_t p = begin; p < end; ++p) {
-                        shape_of.shape(problem.grid, particles, p, shape);
-                        const double m = particles.mass[p];
-                        const Vector<D> momentum = m * particles.v[p];
-                        const Vector<D> now =
-                            particles.v[p] + half * shape.value(nodes.acceleration);
-                        sum.mass += m;
-                        add<D>(sum.momentum, momentum);
-                        add_angular<D>(sum.angular, particles.x[p], momentum);
-                        for (int d = 0; d < D && moments > 0; ++d)
-                          add_angular<D>(
-                              sum.angular, Vector<D>::Unit(d),
-                              m * particles.moments[p * moments + linear_moment(map, d)]);
-                        sum.kinetic += m * now.squaredNorm() / 2;
-                        sum.strain += particles.energy[p];
-                        sum.linear_strain += linear_strain_energy(
-                            lame(problem.materials[particles.body[p]]), particles.stress[p],
-                            particles.volume(p));
-                      }
-                    });
+    parallel_blocks(
+        particles.size(), particles_per_block, problem.threads,
+        [&](std::size_t begin, std::size_t end) {
+          Ledger& sum = blocks[begin / particles_per_block];
+          ShapeFunctions<D> shape;
+          [[maybe_unused]] PolynomialModes<D> of;
+          for (std::size_t p = begin; p < end; ++p) {
+            shape_of.shape(problem.grid, particles, p, shape);
+            const double m = particles.mass[p];
+            const Vector<D> momentum = m * particles.v[p];
+            const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration);
+            sum.mass += m;
+            add<D>(sum.momentum, momentum);
+            add_angular<D>(sum.angular, particles.x[p], momentum);
+            if constexpr (is_product<D, decltype(shape_of)>) {
+              if (modes > 0) {
+                of.fill(problem.grid, shape_of.axes(problem.grid, particles.x[p]), particles.x[p],
+                        map);
+                for (int d = 0; d < D; ++d) {
+                  const int r = linear_mode(map, d);
+                  add_angular<D>(sum.angular, Vector<D>::Unit(d),
+                                 m * of.norm(r) * particles.modes[p * modes + r]);
+                }
+              }
+            }
+            sum.kinetic += m * now.squaredNorm() / 2;
+            sum.strain += particles.energy[p];
+            sum.linear_strain += linear_strain_energy(lame(problem.materials[particles.body[p]]),
+                                                      particles.stress[p], particles.volume(p));
+          }
+        });
   });
   Ledger ledger;
   ledger.step = simulation.steps();

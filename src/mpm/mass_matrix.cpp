@@ -27,13 +27,15 @@ Sparse restricted(const Sparse& full, const std::vector<bool>& free) {
   return made;
 }
 
+// The first pivot that is too small is that of the node which is not determined; one that is
+// zero ends the factorisation, so those after it are not looked at.
 void factor(Cholesky& cholesky, const Sparse& matrix, std::int64_t step) {
   cholesky.compute(matrix);
   const Eigen::VectorXd pivots = cholesky.vectorD(), diagonal = matrix.diagonal();
   const auto& place = cholesky.permutationPinv().indices();
   for (Eigen::Index k = 0; k < pivots.size(); ++k) {
     const int node = place.size() > 0 ? place[k] : static_cast<int>(k);
-    if (cholesky.info() == Eigen::Success && pivots[k] > least_pivot * diagonal[node]) continue;
+    if (pivots[k] > least_pivot * diagonal[node]) continue;
     throw Failure(step, "node", static_cast<std::size_t>(node),
                   "the consistent mass matrix is singular: the particles near this node do not "
                   "determine its velocity; use lumped mass, or more particles");

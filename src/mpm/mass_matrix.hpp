@@ -20,9 +20,9 @@ void add_mass(const ShapeFunctions<D>& shape, double mass, MassEntries& entries)
                            mass * shape.S[a] * shape.S[b]);
 }
 
-// Replaces nodes.mapped and nodes.acceleration of all nodes heavier than `lightest` by the solutions
-// of M v = p and M a = f + M g, the latter with zero where a velocity is held; keeps M in nodes.mass_matrix.
-// Throws Failure where the particles do not determine a node.
+// Replaces nodes.mapped and nodes.acceleration of all nodes heavier than `lightest` by the
+// solutions of M v = p and M a = f + M g, the latter with zero where a velocity is held; keeps M in
+// nodes.mass_matrix. Throws Failure where the particles do not determine a node.
 template <int D>
 void solve_mass(const MassEntries& entries, double lightest, const Vector<D>& gravity,
                 const std::vector<HeldVelocity>& held, std::int64_t step, Nodes<D>& nodes);

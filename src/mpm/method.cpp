@@ -88,13 +88,23 @@ void Method::validate(int dimension) const {
           name_of(velocity),
           "needs point particles and functions that are positive products: linear or splines");
   require(!remembers || update == Update::pic, "update of the method", name_of(update),
-          "does not fill the moments that affine and polynomial maps need; pic does");
+          "does not leave what affine and polynomial maps remember; pic does");
+  require(!cell_fits || domain == Domain::point, "quadrature of the method", name_of(quadrature),
+          "needs point particles: domains reach nodes that have no mass from the cells");
+  require(!cell_fits || fitted, "velocity map of the method", name_of(velocity),
+          "divides the momentum of particles by the mass of cells, which is another: mls, imls and "
+          "cpls do not");
+  require(quadrature == Quadrature::particles || (update != Update::xpic && update != Update::fmpm),
+          "update of the method", name_of(update),
+          "divides by the mass of particles: the quadrature must be over them");
   require(mass == MassMatrix::lumped || (!cell_fits && !fitted), "mass matrix of the method",
           "consistent", "is for mass-weighted velocities and mass from particles or Gauss points");
   require(mass == MassMatrix::lumped || update == Update::flip || update == Update::pic,
           "update of the method", name_of(update), "is for lumped mass");
   require(stress == StressUpdate::last || update == Update::flip, "update of the method",
           name_of(update), "has its own order of the stress: stress first is for flip");
+  require(update != Update::runge_kutta || domain != Domain::cpdi2, "update of the method",
+          name_of(update), "does not move the corners of cpdi2; cpdi1 has none to move");
 }
 
 namespace {

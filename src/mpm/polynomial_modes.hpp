@@ -2,29 +2,37 @@
 // that carry more than a velocity (Jiang et al. 2015; Fu et al. 2017).
 //
 // On each axis s_0 = 1, s_1 = d, s_2 = d^2 - kappa d - nu with d = x_i - x_p and
-// sum_i S_i s_r s_q = 0; in D dimensions their products. For quadratic splines inside the grid nu = h^2
-// / 4 and kappa = z (h^2 - 4 z^2) / h^2 with z = x_p less the nearest node: the closed forms of the
-// sources. Built from the functions themselves they hold for every basis of positive products, and
-// next to a face, where splines end otherwise. What a particle remembers are the moments
-// b_r = sum_i S_i s_r(x_i) v_i; its field is v_p + sum_r b_r s_r / norm_r, norm_r = sum_i S_i s_r^2.
+// sum_i S_i s_r s_q = 0; in D dimensions their products. For quadratic splines inside the grid nu =
+// h^2 / 4 and kappa = z (h^2 - 4 z^2) / h^2 with z = x_p less the nearest node: the closed forms of
+// the sources. Built from the functions themselves they hold for every basis of positive products,
+// and next to a face, where splines end otherwise. What a particle remembers are the coefficients
+// c_r = sum_i S_i s_r(x_i) v_i / norm_r with norm_r = sum_i S_i s_r^2: its field is v_p + sum_r c_r
+// s_r. They go with it to where norm_r is another; norm_1 is the same everywhere inside the grid,
+// so angular momentum goes with it as well.
 #pragma once
 
 #include "recon/mpm/method.hpp"
 
 namespace recon::mpm {
 
-// Moments of a particle beyond its velocity. affine: s_1 of axis d is number d. polynomial: the
-// product of s_(r_d) is number sum_d r_d 3^d - 1.
-inline int moment_count(VelocityMap map, int dimension) {
+// Coefficients of a particle beyond its velocity. affine: s_1 of axis d is number d. polynomial:
+// the product of s_(r_d) is number sum_d r_d 3^d - 1.
+inline int mode_count(VelocityMap map, int dimension) {
   if (map == VelocityMap::affine) return dimension;
   if (map != VelocityMap::polynomial) return 0;
   return dimension == 1 ? 2 : dimension == 2 ? 8 : 26;
 }
 // Of s_1 of an axis.
-inline int linear_moment(VelocityMap map, int axis) {
+inline int linear_mode(VelocityMap map, int axis) {
   if (map == VelocityMap::affine) return axis;
   return axis == 0 ? 0 : axis == 1 ? 2 : 8;
 }
+
+// Policies that are products of functions of the axes.
+template <int D, class Shape>
+constexpr bool is_product = requires(const Shape& shape, const Grid<D>& grid, const Vector<D>& x) {
+  shape.template axes<D>(grid, x);
+};
 
 template <int D>
 class PolynomialModes {
@@ -37,7 +45,7 @@ class PolynomialModes {
       of[d] = modes_of(grid, axes[d], x[d], d);
       nodes_ *= static_cast<std::size_t>(axes[d].count);
     }
-    count_ = moment_count(map, D);
+    count_ = mode_count(map, D);
     norm_.assign(static_cast<std::size_t>(count_), 1);
     value_.assign(static_cast<std::size_t>(count_) * nodes_, 1);
     for (int r = 0; r < count_; ++r) {

@@ -26,12 +26,6 @@ bool is_cell(Quadrature quadrature) {
   return quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
 }
 
-// Policies that are products of functions of the axes.
-template <int D, class Shape>
-constexpr bool has_axes = requires(const Shape& shape, const Grid<D>& grid, const Vector<D>& x) {
-  shape.template axes<D>(grid, x);
-};
-
 template <int D>
 struct Scratch {
   ShapeFunctions<D> shape;
@@ -39,15 +33,14 @@ struct Scratch {
   std::vector<Vector<D>> velocity;  // that the particle shows to each of its nodes
 };
 
-// sum_r b_r s_r / norm_r at all nodes is added to `velocity`.
+// sum_r c_r s_r at all nodes is added to `velocity`.
 template <int D>
-void add_modes(const PolynomialModes<D>& modes, const Vector<D>* moments,
+void add_modes(const PolynomialModes<D>& modes, const Vector<D>* coefficients,
                std::vector<Vector<D>>& velocity) {
-  for (int r = 0; r < modes.count(); ++r) {
-    if (modes.norm(r) == 0) continue;
-    const Vector<D> factor = moments[r] / modes.norm(r);
-    for (std::size_t n = 0; n < velocity.size(); ++n) velocity[n] += modes.value(r, n) * factor;
-  }
+  for (int r = 0; r < modes.count(); ++r)
+    if (modes.norm(r) > 0)
+      for (std::size_t n = 0; n < velocity.size(); ++n)
+        velocity[n] += modes.value(r, n) * coefficients[r];
 }
 
 }  // namespace
@@ -66,27 +59,33 @@ Simulation<D>::Simulation(Problem<D> problem) : problem_(std::move(problem)) {
   if (problem_.method.domain == Domain::cpdi2 && particles.corners.empty())
     for (std::size_t p = 0; p < particles.size(); ++p)
       particles.corners.push_back(particles.domain(p));
-  with_shape(problem_.method, [&](auto shape_of) { start_moments(shape_of); });
+  with_shape(problem_.method, [&](auto shape_of) { start_modes(shape_of); });
   find_held();
 }
 
 // Of the linear fields v_p + L_p d.
 template <int D>
 template <class Shape>
-void Simulation<D>::start_moments(Shape shape_of) {
-  if constexpr (has_axes<D, Shape>) {
+void Simulation<D>::start_modes(Shape shape_of) {
+  if constexpr (is_product<D, Shape>) {
     const VelocityMap map = problem_.method.velocity;
-    const int count = moment_count(map, D);
+    const int count = mode_count(map, D);
     Particles<D>& particles = problem_.particles;
-    if (count == 0 || !particles.moments.empty()) return;
-    particles.moments.assign(particles.size() * static_cast<std::size_t>(count), Vector<D>::Zero());
+    if (count == 0) return;
+    if (!particles.modes.empty()) {
+      require(particles.modes.size() == particles.size() * static_cast<std::size_t>(count),
+              "modes of the particles", particles.modes.size(),
+              "must be those of the method for each particle, or none");
+      return;
+    }
+    particles.modes.assign(particles.size() * static_cast<std::size_t>(count), Vector<D>::Zero());
     PolynomialModes<D> modes;
     for (std::size_t p = 0; p < particles.size(); ++p) {
       modes.fill(problem_.grid, shape_of.axes(problem_.grid, particles.x[p]), particles.x[p], map);
       for (int d = 0; d < D; ++d) {
-        const int r = linear_moment(map, d);
-        particles.moments[p * static_cast<std::size_t>(count) + static_cast<std::size_t>(r)] =
-            modes.norm(r) * particles.L[p].col(d);
+        const int r = linear_mode(map, d);
+        particles.modes[p * static_cast<std::size_t>(count) + static_cast<std::size_t>(r)] =
+            particles.L[p].col(d);
       }
     }
   }
@@ -164,7 +163,10 @@ void Simulation<D>::map() {
       nodes_.acceleration[i] += nodes_.force[i] / nodes_.mass[i];
   }
   if (method.mass == MassMatrix::consistent) solve_consistent();
-  if (fits_velocity(method.velocity)) fit_velocity();
+  if (fits_velocity(method.velocity)) fit_velocity(problem_, nodes_);
+  if (method.momentum_correction &&
+      (fits_velocity(method.velocity) || method.quadrature == Quadrature::gauss_cells))
+    correct_momentum();
   nodes_.velocity = nodes_.mapped;
   hold_boundaries();
 }
@@ -218,23 +220,23 @@ void Simulation<D>::scatter(Shape shape_of) {
   const bool particle_quadrature = !is_cell(method.quadrature);
   const bool gauss = is_gauss(method.quadrature);
   const bool taylor = method.velocity == VelocityMap::taylor;
-  const auto moments = static_cast<std::size_t>(moment_count(method.velocity, D));
+  const auto modes = static_cast<std::size_t>(mode_count(method.velocity, D));
   const auto rows = [&](std::size_t p) { return shape_of.nodes_along(grid, particles, p, D - 1); };
   const auto add = [&](std::size_t p, Scratch<D>& scratch) {
     if (gauss && in_full_cell(problem_, cells_.fill, p)) return;
     ShapeFunctions<D>& shape = scratch.shape;
     const double volume = shape_of.shape(grid, particles, p, shape);
     const double mass = particles.mass[p];
-    if (taylor || moments > 0) {
+    if (taylor || modes > 0) {
       scratch.velocity.assign(shape.size(), particles.v[p]);
       if (taylor)
         for (std::size_t k = 0; k < shape.size(); ++k)
           scratch.velocity[k] += particles.L[p] * (grid.position(shape.node[k]) - particles.x[p]);
-      if constexpr (has_axes<D, Shape>) {
-        if (moments > 0) {
+      if constexpr (is_product<D, Shape>) {
+        if (modes > 0) {
           scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p],
                              method.velocity);
-          add_modes(scratch.modes, &particles.moments[p * moments], scratch.velocity);
+          add_modes(scratch.modes, &particles.modes[p * modes], scratch.velocity);
         }
       }
       for (std::size_t k = 0; k < shape.size(); ++k)
@@ -259,10 +261,7 @@ void Simulation<D>::scatter(Shape shape_of) {
   ShapeFunctions<D> shape;
   for (const Load<D>& load : problem_.loads) {
     const std::size_t p = load.particle;
-    const Matrix<D>& F = particles.F[p];
-    const double magnitude = load.magnitude(time_);
-    const Vector<D> follower = F.determinant() * (F.inverse().transpose() * load.area);
-    const Vector<D> force = magnitude * (load.direction - follower);
+    const Vector<D> force = force_of(load, particles, time_);
     shape_of.shape(grid, particles, p, shape);
     for (std::size_t k = 0; k < shape.size(); ++k)
       nodes_.force[shape.node[k]] += shape.S[k] * force;
@@ -275,10 +274,8 @@ void Simulation<D>::integrate_cells() {
 }
 
 template <int D>
-void Simulation<D>::fit_velocity() {
+void Simulation<D>::correct_momentum() {
   const Particles<D>& particles = problem_.particles;
-  mpm::fit_velocity(problem_, nodes_);
-  if (!problem_.method.momentum_correction) return;
   Vector<D> missing = Vector<D>::Zero();
   double mass = 0;
   for (std::size_t p = 0; p < particles.size(); ++p) missing += particles.mass[p] * particles.v[p];
@@ -287,7 +284,7 @@ void Simulation<D>::fit_velocity() {
     mass += nodes_.mass[i];
   }
   for (std::size_t i = 0; i < nodes_.mass.size(); ++i)
-    if (nodes_.mass[i] > 0) nodes_.mapped[i] += missing / mass;
+    if (nodes_.mass[i] != 0) nodes_.mapped[i] += missing / mass;
 }
 
 template <int D>
@@ -326,7 +323,7 @@ std::vector<Vector<D>> Simulation<D>::filtered(std::vector<Vector<D>> velocity) 
           });
     });
     for (std::size_t i = 0; i < left.size(); ++i)
-      if (nodes_.mass[i] > 0) left[i] -= back[i] / nodes_.mass[i];
+      if (nodes_.mass[i] != 0) left[i] -= back[i] / nodes_.mass[i];
     for (const HeldVelocity& held : held_) left[held.node][held.axis] = 0;
     for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
   }
@@ -382,7 +379,7 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
   const bool flip = problem_.method.update == Update::flip;
   const bool strains = problem_.method.stress == StressUpdate::last;
   [[maybe_unused]] const VelocityMap map = problem_.method.velocity;
-  [[maybe_unused]] const auto moments = static_cast<std::size_t>(moment_count(map, D));
+  [[maybe_unused]] const auto modes = static_cast<std::size_t>(mode_count(map, D));
   parallel_blocks(
       particles.size(), particles_per_block, problem_.threads,
       [&](std::size_t begin, std::size_t end) {
@@ -392,14 +389,16 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
           shape_of.shape(grid, particles, p, shape);
           const Matrix<D> L = shape.gradient(nodes_.velocity);
           const Vector<D> v = flip ? shape.value(nodes_.velocity) : shape.value(carried_);
-          if constexpr (has_axes<D, Shape>) {
-            if (moments > 0) {
+          if constexpr (is_product<D, Shape>) {
+            if (modes > 0) {
               scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p], map);
               for (int r = 0; r < scratch.modes.count(); ++r) {
                 Vector<D> sum = Vector<D>::Zero();
                 for (std::size_t k = 0; k < shape.size(); ++k)
                   sum += shape.S[k] * scratch.modes.value(r, k) * carried_[shape.node[k]];
-                particles.moments[p * moments + static_cast<std::size_t>(r)] = sum;
+                particles.modes[p * modes + static_cast<std::size_t>(r)] =
+                    scratch.modes.norm(r) > 0 ? Vector<D>(sum / scratch.modes.norm(r))
+                                              : Vector<D>::Zero();
               }
             }
           }
@@ -409,7 +408,7 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
             particles.v[p] += kick * shape.value(nodes_.acceleration);
           else
             particles.v[p] = v;
-          shape_of.move(grid, particles, p, nodes_.velocity, dt);
+          shape_of.move(grid, particles, p, flip ? nodes_.velocity : carried_, dt);
         }
       });
 }

@@ -58,7 +58,8 @@ bool stable(const Method& method, int per_cell, double courant) {
   std::mt19937 random(1);
   for (auto& v : problem.particles.v)
     for (double& each : v)
-      each = 1e-9 * (static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 0.5);
+      each =
+          1e-9 * (static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 0.5);
   const double start = energy(problem.particles);
   Simulation<D> simulation(std::move(problem));
   try {
@@ -75,7 +76,7 @@ bool stable(const Method& method, int per_cell, double courant) {
 
 template <int D>
 double largest_stable(const Method& method, int per_cell) {
-  double low = 0, high = 2;
+  double low = 0, high = 4;
   while (high - low > 0.002) {
     const double middle = (low + high) / 2;
     (stable<D>(method, per_cell, middle) ? low : high) = middle;

@@ -71,12 +71,16 @@ TEST(Convergence, LargeDeformationIn2D) {
 }
 
 // All methods are of second order in displacement where nothing crosses a cell (Gong 2015,
-// figure 4.7).
+// figure 4.7). q9 before T, when errors cancel on its four elements of 8 cells.
 TEST(Convergence, SmallDeformation) {
   ConvergenceStudy asked;
-  for (const Method& method : methods()) asked.methods.push_back(method.name);
+  for (const Method& method : methods())
+    if (method.basis == Basis::q8)
+      EXPECT_THROW(method.validate(1), InvalidArgument) << method.name;
+    else
+      asked.methods.push_back(method.name);
   asked.cells = {8, 16, 32};
-  asked.times = {1};
+  asked.times = {0.375, 1};
   const auto rows = converge(
       [](std::span<const std::string> settings) {
         std::vector<std::string> all(settings.begin(), settings.end());
@@ -85,7 +89,8 @@ TEST(Convergence, SmallDeformation) {
       },
       asked);
   for (const std::string& method : asked.methods)
-    EXPECT_GE(slope(rows, method, "displacement", "l2", 0.02), 1.8) << method;
+    EXPECT_GE(slope(rows, method, "displacement", "l2", method == "q9" ? 0.0075 : 0.02), 1.8)
+        << method;
 }
 
 // The bookkeeping: orders follow from errors, rows are complete, failures are rows with a reason.

@@ -237,13 +237,17 @@ TEST_F(MpmFiles, PressureAddsUpToForce) {
   EXPECT_LE((force - Vector<2>(-0.6, 0)).norm(), 1e-13);
 }
 
-// A run in two parts is bit for bit the run in one, ledger included.
+// A run in two parts is bit for bit the run in one, ledger included. With elements the disks are
+// slow and without stress: they would break.
 TEST_F(MpmFiles, RestartIsExact) {
   for (const Method& method : methods()) {
-    // Elements break in this collision, by negative mass.
-    if (method.basis == Basis::q8 || method.basis == Basis::q9) continue;
     auto file = read_example<2>("disks.toml", {"name=" + method.name, "cells=10", "frames=4"});
-    for (auto& v : file.problem.particles.v) v *= 8;
+    if (has_negative_functions(method.name)) {
+      file.problem.materials.assign(2, NeoHookean{Lame::from(1e-9, 0.3)});
+      file.problem.time.courant = 0.05;
+    } else {
+      for (auto& v : file.problem.particles.v) v *= 8;
+    }
     file.problem.time.end = 0.6;
     const auto whole = folder_ / (method.name + "_whole"),
                parts = folder_ / (method.name + "_parts");

@@ -55,6 +55,12 @@ Problem<D> block(int cells, double lower, double upper, const std::string& metho
   return problem;
 }
 
+// Elements with negative functions: the mass of a node may pass through zero.
+inline bool has_negative_functions(const std::string& method) {
+  const Basis basis = method_named(method).basis;
+  return basis == Basis::q8 || basis == Basis::q9;
+}
+
 // Types int<1>, int<2>, int<3> for typed tests.
 template <int D>
 using Dimension = std::integral_constant<int, D>;

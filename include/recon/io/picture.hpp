@@ -72,6 +72,7 @@ struct Curve {
   std::string name;  // in the legend; none if empty
   std::vector<double> x, y;
   CurveStyle style = CurveStyle::line_and_markers;
+  std::vector<std::string> labels{};  // beside the points, one for each; or none
 };
 
 struct LinePlot {

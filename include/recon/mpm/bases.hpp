@@ -1,4 +1,5 @@
-// The functions N_i of the grid, seen by particles that are points: S_ip = N_i(x_p), G_ip = grad N_i.
+// The functions N_i of the grid, seen by particles that are points: S_ip = N_i(x_p), G_ip = grad
+// N_i.
 //
 //   PointDomain   linear, the original material point method (Sulsky, Chen, Schreyer 1994)
 //   NineNode      quadratic elements of 2 x 2 cells (3 nodes in 1-D, 27 in 3-D)
@@ -182,9 +183,9 @@ template <int degree>
 using BSpline = detail::ProductBasis<detail::SplineAxis<degree>>;
 
 // G replaced by the slope of the least-squares plane through the nodes, weighted by S:
-// G_ip = S_ip D_p^-1 (x_i - x_p) with D_p = sum_i S_ip (x_i - x_p)(x_i - x_p)^T, which is h^2 / 4 on
-// quadratic splines (Hu et al. 2018, MLS-MPM). sum_i G_ip = 0 and linear fields have their gradient.
-// Next to a face only two nodes are left on an axis, and both gradients are the same.
+// G_ip = S_ip D_p^-1 (x_i - x_p) with D_p = sum_i S_ip (x_i - x_p)(x_i - x_p)^T, which is h^2 / 4
+// on quadratic splines (Hu et al. 2018, MLS-MPM). sum_i G_ip = 0 and linear fields have their
+// gradient. Next to a face only two nodes are left on an axis, and both gradients are the same.
 struct MomentGradients : BSpline<2> {
   template <int D>
   double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,

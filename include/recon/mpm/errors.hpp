@@ -1,6 +1,7 @@
 // How far a simulation is from its manufactured solution.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,10 @@ std::vector<FieldError> errors(const Simulation<D>& simulation);
 // |e_p| of one particle; `field` is one of error_fields.
 template <int D>
 double error_of(const Simulation<D>& simulation, std::size_t particle, const std::string& field);
+
+// sum_p m_p x_p x v_p of the exact motion, the position at time() and the velocity where that of
+// the particles is known; the last component alone in 2-D. Throws as errors().
+template <int D>
+std::array<double, 3> exact_angular_momentum(const Simulation<D>& simulation);
 
 }  // namespace recon::mpm

@@ -4,9 +4,9 @@
 // before. Momenta are those of the half step itself, before boundaries act:
 //     momentum       sum_p m_p v_p          node_momentum  sum_i m_i v_i
 //     angular        sum_p m_p x_p x v_p    node_angular   sum_i m_i x_i x v_i   about the origin
-// The differences are the defect of the velocity map. Where particles carry moments (apic, polypic)
-// their angular momentum is sum_p m_p (x_p x v_p + sum_d e_d x B_p e_d). Energies (Andersen, Andersen
-// 2007, eq. 25-32):
+// The differences are the defect of the velocity map. Where particles carry more than a velocity
+// (apic, polypic) their angular momentum is sum_p m_p (x_p x v_p + sum_d e_d x B_p e_d) with B_p =
+// sum_i S_ip v_i d^T. Energies (Andersen, Andersen 2007, eq. 25-32):
 //     kinetic        sum_p m_p v_p^2 / 2    node_kinetic   sum_i m_i v_i^2 / 2, with a consistent
 //                                                          mass sum_ij v_i M_ij v_j / 2
 //     strain         the integral of the strain energy

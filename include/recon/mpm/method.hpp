@@ -22,9 +22,8 @@ enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 //   cpls           imls from particles and the corners of their domains, v_c = v_p + L_p (x_c -
 //                  x_p)
 //   taylor         sum_p S_ip m_p (v_p + L_p d) / m_i (Wallstedt, Guilkey 2007)
-//   affine         sum_p S_ip m_p (v_p + B_p D_p^-1 d) / m_i, B_p and D_p the moments sum_i S_ip
-//   v_i
-//                  d^T and sum_i S_ip d d^T, remembered from the step before (Jiang et al. 2015)
+//   affine         sum_p S_ip m_p (v_p + C_p d) / m_i with C_p = B_p D_p^-1 of the step before, B_p
+//                  and D_p the sums of S_ip v_i d^T and of S_ip d d^T (Jiang et al. 2015)
 //   polynomial     the same with all products of the polynomials 1, d, d^2 of the axes, made
 //                  orthogonal under S_ip (Fu et al. 2017)
 enum class VelocityMap { mass_weighted, mls, imls, cpls, taylor, affine, polynomial };
@@ -82,7 +81,8 @@ struct Method {
   MassMatrix mass = MassMatrix::lumped;
   StressUpdate stress = StressUpdate::last;
   SplineBorder border = SplineBorder::corrected;
-  bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles'
+  bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles',
+                                       // also those of gauss_cells
   bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
 
   // Throws InvalidArgument for choices that do not go together, saying why.

@@ -30,9 +30,9 @@ struct Particles {
   std::vector<double> energy;      // strain energy of the particle
   std::vector<std::int32_t> body;  // number of its body
   std::vector<Corners> corners;    // of CPDI2 only, else empty
-  // sum_i S_ip s_r(x_i) v_i of the polynomials s_r about the particle, those of a particle in a
-  // row; of the maps affine (apic) and polynomial (polypic) only, else empty
-  std::vector<Vector<D>> moments;
+  // Coefficients of the polynomials about the particle that its velocity field has beyond v, those
+  // of a particle in a row; of the maps affine (apic) and polynomial (polypic) only, else empty
+  std::vector<Vector<D>> modes;
 
   std::size_t size() const { return x.size(); }
   double volume(std::size_t p) const { return F[p].determinant() * volume0[p]; }

@@ -41,6 +41,14 @@ struct Load {
   std::function<double(double t)> magnitude;
 };
 
+// At time t, force.
+template <int D>
+Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t) {
+  const Matrix<D>& F = particles.F[load.particle];
+  const Vector<D> follower = F.determinant() * (F.inverse().transpose() * load.area);
+  return load.magnitude(t) * (load.direction - follower);
+}
+
 // How the step is chosen; see Simulation::choose_step().
 enum class StepRule { adaptive, p_wave, bar_wave, fixed };
 

@@ -132,12 +132,12 @@ class Simulation {
   template <class Shape>
   void gather(Shape shape_of, double dt, double kick);
   template <class Shape>
-  void start_moments(Shape shape_of);
+  void start_modes(Shape shape_of);
   void move(std::size_t p, const Vector<D>& x);
   void strain(std::size_t p, const Matrix<D>& L, const Matrix<D>& F, double dt);
   void strain_by_map();
   void integrate_cells();
-  void fit_velocity();
+  void correct_momentum();
   void solve_consistent();
   void watch_mass(double lightest);
   void find_held();

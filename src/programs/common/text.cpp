@@ -35,6 +35,13 @@ std::string number(double value, int digits) {
   return text;
 }
 
+std::string or_dash(double value, const char* format) {
+  if (std::isnan(value)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
 std::string count(std::size_t value) {
   const std::string digits = std::to_string(value);
   std::string text;

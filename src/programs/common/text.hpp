@@ -17,6 +17,8 @@ std::optional<double> to_number(std::string_view text);
 
 // With `digits` significant digits and no trailing zeros.
 std::string number(double value, int digits = 5);
+// By a printf format; "-" for NaN.
+std::string or_dash(double value, const char* format);
 // With separators between thousands: 1,234,567.
 std::string count(std::size_t value);
 // "1 particle", "2 particles".

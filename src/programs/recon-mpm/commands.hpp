@@ -8,6 +8,7 @@ namespace recon::program {
 Command add_run(CLI::App& app);
 Command add_methods(CLI::App& app);
 Command add_converge(CLI::App& app);
+Command add_compare(CLI::App& app);
 Command add_verify(CLI::App& app);
 Command add_stability(CLI::App& app);
 

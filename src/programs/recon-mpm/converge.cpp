@@ -46,13 +46,7 @@ double part_of_end(const std::string& text) {
 
 mpm::ConvergenceStudy study_of(const Options& options) {
   mpm::ConvergenceStudy study;
-  std::vector<std::string> names;
-  for (const mpm::Method& each : mpm::methods()) names.push_back(each.name);
-  for (const std::string& method : split(options.methods)) {
-    if (std::find(names.begin(), names.end(), method) == names.end())
-      fail_usage("--methods: unknown '" + method + "'; " + suggest(method, names));
-    study.methods.push_back(method);
-  }
+  study.methods = method_names(options.methods);
   for (const std::string& word : split(options.cells)) {
     const auto cells = to_number(word);
     if (!cells || *cells < 1 || *cells > 1e6 || *cells != std::floor(*cells))
@@ -65,13 +59,6 @@ mpm::ConvergenceStudy study_of(const Options& options) {
   if (study.methods.empty() || study.cells.empty() || study.times.empty())
     fail_usage("--methods, --cells and --times need at least one each");
   return study;
-}
-
-std::string or_dash(double value, const char* format) {
-  if (std::isnan(value)) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 // A block for each time: a line for each method and grid, a pair of columns for each field.

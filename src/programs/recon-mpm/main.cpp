@@ -11,14 +11,13 @@ int main(int argc, char** argv) {
       "  recon-mpm methods                          the methods, and what they are made of\n"
       "  recon-mpm run PROBLEM.toml --method cpls   one run: frames for ParaView, a ledger\n"
       "  recon-mpm converge PROBLEM.toml            errors and orders against the exact solution\n"
+      "  recon-mpm compare PROBLEM.toml             every method on one problem, side by side\n"
       "  recon-mpm verify                           the claims of the publications, measured\n"
       "  recon-mpm stability                        the largest stable step of each method\n"
       "  recon-mpm help run                         all about one of them",
       argc, argv, [](CLI::App& app) -> std::map<std::string, Command> {
-        return {{"run", add_run(app)},
-                {"methods", add_methods(app)},
-                {"converge", add_converge(app)},
-                {"verify", add_verify(app)},
-                {"stability", add_stability(app)}};
+        return {{"run", add_run(app)},           {"methods", add_methods(app)},
+                {"converge", add_converge(app)}, {"compare", add_compare(app)},
+                {"verify", add_verify(app)},     {"stability", add_stability(app)}};
       });
 }

@@ -1,6 +1,10 @@
 #include "problem_options.hpp"
 
+#include <algorithm>
+
 #include "programs/common/errors.hpp"
+#include "programs/common/text.hpp"
+#include "recon/core/names.hpp"
 #include "recon/mpm/method.hpp"
 
 namespace recon::program {
@@ -8,10 +12,8 @@ namespace recon::program {
 void ProblemOptions::add_to(CLI::App& command, bool choice) {
   command.add_option("FILE", file, "the problem, a TOML file")->required();
   if (choice) {
-    std::vector<std::string> names;
-    for (const mpm::Method& each : mpm::methods()) names.push_back(each.name);
     command.add_option("--method", method, "the method (see recon-mpm methods)")
-        ->check(one_of(names));
+        ->check(one_of(method_names("")));
     command.add_option("--cells", cells, "cells per unit length")->check(positive_number());
   }
   command.add_option("--set", settings, "KEY=VALUE: another value for a key of the file")
@@ -27,6 +29,15 @@ mpm::AnyProblem ProblemOptions::read(std::vector<std::string> more) const {
   if (threads > 0) all.push_back("threads=" + std::to_string(threads));
   all.insert(all.end(), more.begin(), more.end());
   return with_exit_code(wrong_input, [&] { return mpm::read_problem(file, all); });
+}
+
+std::vector<std::string> method_names(const std::string& list) {
+  std::vector<std::string> known, chosen = split(list);
+  for (const mpm::Method& each : mpm::methods()) known.push_back(each.name);
+  for (const std::string& name : chosen)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      fail_usage("--methods: unknown '" + name + "'; " + suggest(name, known));
+  return chosen.empty() ? known : chosen;
 }
 
 }  // namespace recon::program

@@ -20,4 +20,8 @@ struct ProblemOptions {
   mpm::AnyProblem read(std::vector<std::string> more = {}) const;
 };
 
+// Names of methods with commas between them; all methods for an empty text. Fails as wrong usage of
+// --methods for one that is not known.
+std::vector<std::string> method_names(const std::string& list);
+
 }  // namespace recon::program

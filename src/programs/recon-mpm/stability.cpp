@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "problem_options.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
@@ -21,7 +22,7 @@ void run(const Options& options) {
   if (!options.picture.empty())
     with_exit_code(wrong_usage, [&] { require_picture_extension(options.picture); });
   std::vector<const mpm::Method*> methods;
-  for (const std::string& name : split(options.methods))
+  for (const std::string& name : method_names(options.methods))
     methods.push_back(&mpm::method_named(name));
   std::vector<int> counts;
   for (const std::string& word : split(options.particles)) {
