@@ -227,34 +227,40 @@ void Simulation<D>::scatter(Shape shape_of) {
     ShapeFunctions<D>& shape = scratch.shape;
     const double volume = shape_of.shape(grid, particles, p, shape);
     const double mass = particles.mass[p];
-    if (taylor || modes > 0) {
-      scratch.velocity.assign(shape.size(), particles.v[p]);
-      if (taylor)
+    // `show` is the velocity that the particle shows to its node k.
+    const auto spread = [&](const auto& show) {
+      if (!particle_quadrature) {
         for (std::size_t k = 0; k < shape.size(); ++k)
-          scratch.velocity[k] += particles.L[p] * (grid.position(shape.node[k]) - particles.x[p]);
-      if constexpr (is_product<D, Shape>) {
-        if (modes > 0) {
-          scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p],
-                             method.velocity);
-          add_modes(scratch.modes, &particles.modes[p * modes], scratch.velocity);
-        }
+          nodes_.momentum[shape.node[k]] += shape.S[k] * mass * show(k);
+        return;
       }
-      for (std::size_t k = 0; k < shape.size(); ++k)
-        nodes_.momentum[shape.node[k]] += shape.S[k] * mass * scratch.velocity[k];
-    } else {
-      const Vector<D> momentum = mass * particles.v[p];
-      for (std::size_t k = 0; k < shape.size(); ++k)
-        nodes_.momentum[shape.node[k]] += shape.S[k] * momentum;
+      const Matrix<D> pull = -volume * particles.stress[p];
+      const Vector<D> push =
+          acceleration_.empty() ? Vector<D>::Zero() : Vector<D>(mass * acceleration_[p]);
+      for (std::size_t k = 0; k < shape.size(); ++k) {
+        const std::uint32_t i = shape.node[k];
+        const double part = shape.S[k] * mass;
+        nodes_.mass[i] += part;
+        nodes_.momentum[i] += part * show(k);
+        nodes_.force[i] += pull * shape.G[k] + shape.S[k] * push;
+      }
+    };
+    if (!taylor && modes == 0) {
+      const Vector<D> v = particles.v[p];
+      return spread([&](std::size_t) -> const Vector<D>& { return v; });
     }
-    if (!particle_quadrature) return;
-    const Matrix<D> pull = -volume * particles.stress[p];
-    const Vector<D> push =
-        acceleration_.empty() ? Vector<D>::Zero() : Vector<D>(mass * acceleration_[p]);
-    for (std::size_t k = 0; k < shape.size(); ++k) {
-      const std::uint32_t i = shape.node[k];
-      nodes_.mass[i] += shape.S[k] * mass;
-      nodes_.force[i] += pull * shape.G[k] + shape.S[k] * push;
+    scratch.velocity.assign(shape.size(), particles.v[p]);
+    if (taylor)
+      for (std::size_t k = 0; k < shape.size(); ++k)
+        scratch.velocity[k] += particles.L[p] * (grid.position(shape.node[k]) - particles.x[p]);
+    if constexpr (is_product<D, Shape>) {
+      if (modes > 0) {
+        scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p],
+                           method.velocity);
+        add_modes(scratch.modes, &particles.modes[p * modes], scratch.velocity);
+      }
     }
+    spread([&](std::size_t k) -> const Vector<D>& { return scratch.velocity[k]; });
   };
   scatter_by_slabs<Scratch<D>>(particles.size(), problem_.threads, rows, add);
 

@@ -48,27 +48,34 @@ struct AxisShape {
   std::array<double, most> S, G;
 };
 
+// The first axis runs fastest.
 template <int D>
 void tensor_product(const Grid<D>& grid, const std::array<AxisShape, D>& axes,
                     ShapeFunctions<D>& out) {
   std::size_t count = 1;
   for (const AxisShape& axis : axes) count *= static_cast<std::size_t>(axis.count);
   out.resize(count);
-  std::array<int, D> k{};
-  for (std::size_t n = 0; n < count; ++n) {
-    std::array<int, D> index;
+  const AxisShape& line = axes[0];
+  std::array<int, D> k{}, index;
+  index[0] = line.first;
+  for (std::size_t n = 0; n < count;) {
+    // Of the other axes: their product, and the products with one derivative.
     double S = 1;
     Vector<D> G = Vector<D>::Ones();
-    for (int d = 0; d < D; ++d) {
+    for (int d = 1; d < D; ++d) {
       const double value = axes[d].S[k[d]];
       index[d] = axes[d].first + k[d];
       S *= value;
-      for (int e = 0; e < D; ++e) G[e] *= e == d ? axes[d].G[k[d]] : value;
+      for (int e = 1; e < D; ++e) G[e] *= e == d ? axes[d].G[k[d]] : value;
     }
-    out.node[n] = grid.number(index);
-    out.S[n] = S;
-    out.G[n] = G;
-    for (int d = 0; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
+    const std::uint32_t first = grid.number(index);
+    for (int i = 0; i < line.count; ++i, ++n) {
+      out.node[n] = first + static_cast<std::uint32_t>(i);
+      out.S[n] = line.S[i] * S;
+      out.G[n][0] = line.G[i] * S;
+      for (int e = 1; e < D; ++e) out.G[n][e] = line.S[i] * G[e];
+    }
+    for (int d = 1; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
   }
 }
 
