@@ -61,7 +61,7 @@ enum class MassMatrix { lumped, consistent };
 
 // Of which velocity L, and with it the stress, is made:
 //   last   of v_i+, at the old place of the particle. What the map takes from a velocity is taken
-//          from the strain only in the next step: energy is lost, in proportion to dt
+//          from the strain only in the next step: energy is lost, less with short steps
 //   first  of v_i as it is mapped after the step, at the new place: in each step before the forces
 //          (Andersen, Andersen 2007, section 3.2). Strain and force are then transposes of each
 //          other, and energy oscillates without being lost (Bardenhagen 2002). Costs another map
