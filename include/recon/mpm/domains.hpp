@@ -125,9 +125,10 @@ struct Gimp : Reaching<Gimp<stretched>> {
     const double l = particles.half_edges[p].row(d).cwiseAbs().sum();
     return stretched ? l * std::abs(particles.F[p](d, d)) : l;
   }
+  // Inlined into the loops over particles, whose calls all are, it would be a quarter slower.
   template <int D>
-  static double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
-                      ShapeFunctions<D>& out) {
+  [[gnu::noinline]] static double shape(const Grid<D>& grid, const Particles<D>& particles,
+                                        std::size_t p, ShapeFunctions<D>& out) {
     std::array<detail::AxisShape, D> axes;
     for (int d = 0; d < D; ++d)
       axes[d] = detail::average(grid, d, particles.x[p][d], reach(particles, p, d));
