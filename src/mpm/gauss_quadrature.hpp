@@ -1,12 +1,11 @@
 // Quadrature at Gauss points of the cells that are full, of reconstructed density, momentum and
 // stress; particles of all other cells count themselves.
 //
-//   taylor_cells  in each cell u = a_1 + sum_k a_k psi_k with psi of mean zero: xi_d, xi_d^2 / 2 -
-//   1
-//                 / 6 and xi_d xi_e, xi = (x - x_c) / (h / 2). For density and momentum a_1 is the
-//                 sum of the particles' masses and momenta over the volume of the cell, so that the
-//                 integral is theirs whatever the rest; a_k by least squares of u_p - a_1. For the
-//                 stress all by least squares (Wobbes, Moller, Galavi, Vuik 2018). Without the
+//   taylor_cells  in each cell u = a_1 + sum_k a_k psi_k with psi of mean zero, of xi = (x - x_c) /
+//                 (h / 2): xi_d, xi_d^2 / 2 - 1/6 and xi_d xi_e. For density and momentum a_1 is
+//                 the sum of the particles' masses and momenta over the volume of the cell, so that
+//                 the integral is theirs whatever the rest; a_k by least squares of u_p - a_1. For
+//                 the stress all by least squares (Wobbes, Moller, Galavi, Vuik 2018). Without the
 //                 quadratic psi where a cell holds too few particles for them
 //   gauss_cells   moving least squares at each Gauss point, cubic B-spline of support 2 h
 //                 (Tran, Wobbes, Solowski, Moller, Vuik 2019)

@@ -175,7 +175,9 @@ void Simulation<D>::map() {
 template <int D>
 void Simulation<D>::watch_mass(double lightest) {
   nodes_.negative = 0;
-  if (problem_.method.basis != Basis::q8 && problem_.method.basis != Basis::q9) return;
+  const Method& method = problem_.method;
+  const bool elements = method.basis == Basis::q8 || method.basis == Basis::q9;
+  if (!elements && method.quadrature == Quadrature::particles) return;
   const bool first = signs_.empty();
   signs_.resize(nodes_.mass.size());
   for (std::size_t i = 0; i < nodes_.mass.size(); ++i) {
@@ -187,11 +189,12 @@ void Simulation<D>::watch_mass(double lightest) {
     if (sign >= 0) continue;
     ++nodes_.negative;
     if (!negative_mass_) negative_mass_ = found;
-    if (problem_.method.stop_at_negative_mass)
+    if (method.stop_at_negative_mass)
       throw Failure(steps_, "node", i,
-                    "its mass is negative (" + recon::detail::to_text(mass) +
-                        "): the functions of " + std::string(name_of(problem_.method.basis)) +
-                        " are negative in parts");
+                    "its mass is negative (" + recon::detail::to_text(mass) + "): " +
+                        (elements ? "the functions of " + std::string(name_of(method.basis)) +
+                                        " are negative in parts"
+                                  : "the fitted density is, near it"));
   }
 }
 

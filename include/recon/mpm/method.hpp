@@ -19,8 +19,8 @@ enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 //   mass_weighted  sum_p S_ip m_p v_p / m_i, which is Shepard's with the weight m_p S_ip
 //   mls            moving least squares, tensor cubic B-spline of support 2 h, moments on the grid
 //   imls           the same by graded Gram-Schmidt with neighbour lists; degree up to 3
-//   cpls           imls from particles and the corners of their domains, v_c = v_p + L_p (x_c -
-//                  x_p)
+//   cpls           imls from particles and the corners of their domains,
+//                  v_c = v_p + L_p (x_c - x_p)
 //   taylor         sum_p S_ip m_p (v_p + L_p d) / m_i (Wallstedt, Guilkey 2007)
 //   affine         sum_p S_ip m_p (v_p + C_p d) / m_i with C_p = B_p D_p^-1 of the step before, B_p
 //                  and D_p the sums of S_ip v_i d^T and of S_ip d d^T (Jiang et al. 2015)
@@ -44,13 +44,13 @@ enum class Quadrature { particles, cells, nodal_cells, taylor_cells, gauss_cells
 // What particles take from the nodes, a_i = f_i / m_i:
 //   flip          v_p += k sum_i S a_i,  x_p += dt sum_i S v_i+
 //   pic           v_p  = sum_i S v_i+ ,  x_p += dt v_p
-//   xpic          v_p  = sum_i S (v*_i + k a_i),  v* = sum_{j < m} (1 - S+ S)^j v_i  with S+ S v
-//   the
+//   xpic          v_p  = sum_i S (v*_i + k a_i),  v* = sum_{j < m} (1 - S+ S)^j v_i , S+ S v the
 //                 velocity that goes to the particles and back; m is Method::order (Hammerquist,
 //                 Nairn 2017)
 //   fmpm          v_p  = sum_i S v*_i with v* of v_i+, also in L (Nairn, Hammerquist 2021)
 //   runge_kutta   the rates of flip in the classical four stages, velocities at whole steps
-//                 (Edwards, Bridson 2012)
+//                 (Edwards, Bridson 2012). Stresses that are not functions of F, those of
+//                 LinearElastic, follow from the mean L of the stages
 // The velocities of particles are half a step behind their positions, so one velocity is right for
 // the position as well where the sources take the mean of two.
 enum class Update { flip, pic, xpic, fmpm, runge_kutta };

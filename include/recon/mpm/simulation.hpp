@@ -2,10 +2,9 @@
 //
 //   Simulation<D> simulation(problem);
 //   while (simulation.time() < end) {
-//     simulation.map();                             // 1  particles to nodes: v_i, m_i, f_i
-//     simulation.advance(simulation.choose_step().dt);      // 2  nodes: v_i += dt f_i / m_i
-//   }                                               // 3  nodes to particles; 4 the grid is as
-//   before
+//     simulation.map();                                  // 1  particles to nodes: v_i, m_i, f_i
+//     simulation.advance(simulation.choose_step().dt);   // 2  nodes: v_i += dt f_i / m_i
+//   }                                                    // 3  nodes to particles
 //
 // Leapfrog: positions and stresses at t, velocities half a step earlier; the first kick takes half
 // a step, so that a start at t = 0 is of second order, and a step may follow one of another length.
@@ -53,10 +52,10 @@ struct HeldVelocity {
   double velocity = 0;
 };
 
-// A node whose mass is negative. Functions of elements (q8, q9) are negative in parts, so a node
-// can be lighter than nothing. Momentum and force are then negative as well, and velocity and
-// acceleration are right in rigid motion; but when the sign changes, the mass passes through zero,
-// and dividing by it makes both arbitrary (Andersen, Andersen 2007, appendix, corrected).
+// A node whose mass is negative. Functions of elements (q8, q9) are negative in parts, and a fitted
+// density can be. Momentum and force are then negative as well, and velocity and acceleration are
+// right in rigid motion; but when the sign changes, the mass passes through zero, and dividing by
+// it makes both arbitrary (Andersen, Andersen 2007, appendix, corrected).
 struct NegativeMass {
   std::int64_t step = 0;
   std::size_t node = 0;
