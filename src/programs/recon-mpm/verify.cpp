@@ -12,6 +12,7 @@
 #include "programs/common/progress.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/atomic_file.hpp"
+#include "recon/mpm/errors.hpp"
 #include "recon/mpm/ledger.hpp"
 #include "recon/mpm/run.hpp"
 #include "recon/operators/reconstruct.hpp"
@@ -285,39 +286,21 @@ class Report {
     } catch (const mpm::Failure& stop) {
       failure = stop.what();
     }
+    // Of the exact motion where there is one (its body force turns the ring), else of the start.
+    const double angular =
+        simulation.problem().exact ? exact_angular_momentum(simulation)[2] : start->angular[2];
     const auto [low, high] = std::minmax_element(total.y.begin(), total.y.end());
     const double first = total.y.front();
-    text_ +=
-        "| " + method + " | " + number(defect / largest, 3) + " | " +
-        number(mpm::distance(now.momentum, start->momentum) / largest, 3) + " | " +
-        (std::abs(start->angular[2]) > 1e-9 * start->mass
-             ? number((now.angular[2] - expected_angular(simulation, *start)) / start->angular[2],
-                      3)
-             : "-") +
-        " | " + number(*low / first, 4) + " .. " + number(*high / first, 4) + " | " +
-        number(total.y.back() / first, 4) + " |" + (failure.empty() ? "" : " " + failure) + "\n";
+    text_ += "| " + method + " | " + number(defect / largest, 3) + " | " +
+             number(mpm::distance(now.momentum, start->momentum) / largest, 3) + " | " +
+             (std::abs(start->angular[2]) > 1e-9 * start->mass
+                  ? number((now.angular[2] - angular) / start->angular[2], 3)
+                  : "-") +
+             " | " + number(*low / first, 4) + " .. " + number(*high / first, 4) + " | " +
+             number(total.y.back() / first, 4) + " |" + (failure.empty() ? "" : " " + failure) +
+             "\n";
     energies.curves.insert(energies.curves.end(), {kinetic, strain, total});
     momenta.curves.insert(momenta.curves.end(), {particles, nodes});
-  }
-
-  // That of the exact motion where there is one (its body force turns the ring), else of the start.
-  template <int D>
-  static double expected_angular(const mpm::Simulation<D>& simulation, const mpm::Ledger& start) {
-    if constexpr (D == 2) {
-      const auto& exact = simulation.problem().exact;
-      if (!exact) return start.angular[2];
-      const auto& particles = simulation.particles();
-      double sum = 0;
-      for (std::size_t p = 0; p < particles.size(); ++p) {
-        const auto& X = particles.X[p];
-        const auto u = exact->at(X, simulation.time()).displacement;
-        const auto v = exact->at(X, simulation.time() - simulation.velocity_lag()).velocity;
-        sum += particles.mass[p] * ((X[0] + u[0]) * v[1] - (X[1] + u[1]) * v[0]);
-      }
-      return sum;
-    } else {
-      return start.angular[2];
-    }
   }
 
   const Options& options_;
