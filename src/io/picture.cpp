@@ -83,28 +83,29 @@ std::string linear_tics(const std::string& axis, const Range& range, int most) {
               "h'\n");
 }
 
-// Decades or, on less than two of them, 1, 2 and 5 times each power of ten.
+// Decades or, on less than two of them, 1, 2 and 5 times each power of ten. Each one by itself:
+// gnuplot would begin its own where the range does.
 std::string log_tics(const std::string& axis, const Range& range) {
-  const std::string text = join("set logscale ", axis, "\n");
   const double decades = std::log10(range[1] / range[0]);
-  if (decades >= 2) {
-    const int step = static_cast<int>(std::ceil(decades / 9));
-    return join(text, "set format ", axis, " '10^{%T}'\nset ", axis, "tics ", std::pow(10.0, step),
-                "\nset m", axis, "tics ", step == 1 ? 10 : 1, "\n");
-  }
+  const bool powers = decades >= 2;
+  const int step = static_cast<int>(std::ceil(decades / 9));
   std::string tics;
   for (int e = static_cast<int>(std::floor(std::log10(range[0])));; ++e) {
     const double power = std::pow(10.0, e);
     if (power > range[1]) break;
     for (int m = 1; m <= 9; ++m) {
       const double at = m * power;
-      if (at < range[0] || at > range[1]) continue;
-      const bool labelled = m == 1 || m == 2 || m == 5 || decades < 0.7;
+      if (at < range[0] || at > range[1] || (powers && step > 1 && m > 1)) continue;
       if (!tics.empty()) tics += ", ";
-      tics += labelled ? join("'%g' ", at) : join("'' ", at, " 1");
+      if (powers && m == 1 && e % step == 0)
+        tics += join("'10^{", e, "}' ", at);
+      else if (!powers && (m == 1 || m == 2 || m == 5 || decades < 0.7))
+        tics += join("'%g' ", at);
+      else
+        tics += join("'' ", at, " 1");
     }
   }
-  return join(text, "set ", axis, "tics (", tics, ")\n");
+  return join("set logscale ", axis, "\nset ", axis, "tics (", tics, ")\n");
 }
 
 // ---- heat maps

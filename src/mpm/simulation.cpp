@@ -1,6 +1,7 @@
 #include "recon/mpm/simulation.hpp"
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "mpm/cell_quadrature.hpp"
@@ -24,6 +25,13 @@ bool is_gauss(Quadrature quadrature) {
 }
 bool is_cell(Quadrature quadrature) {
   return quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
+}
+
+// For messages.
+std::string brief(double value, int digits = 4) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
 }
 
 template <int D>
@@ -191,7 +199,7 @@ void Simulation<D>::watch_mass(double lightest) {
     if (!negative_mass_) negative_mass_ = found;
     if (method.stop_at_negative_mass)
       throw Failure(steps_, "node", i,
-                    "its mass is negative (" + recon::detail::to_text(mass) + "): " +
+                    "its mass is negative (" + brief(mass) + "): " +
                         (elements ? "the functions of " + std::string(name_of(method.basis)) +
                                         " are negative in parts"
                                   : "the fitted density is, near it"));
@@ -429,7 +437,7 @@ void Simulation<D>::move(std::size_t p, const Vector<D>& x) {
   if (!x.allFinite()) throw Failure(steps_, "particle", p, "its position is not finite");
   if (!problem_.grid.contains(x)) {
     std::string at;
-    for (int d = 0; d < D; ++d) at += (d ? ", " : "") + recon::detail::to_text(x[d]);
+    for (int d = 0; d < D; ++d) at += (d ? ", " : "") + brief(x[d], 9);
     throw Failure(steps_, "particle", p, "it left the grid at (" + at + ")");
   }
   problem_.particles.x[p] = x;
@@ -441,8 +449,7 @@ void Simulation<D>::strain(std::size_t p, const Matrix<D>& L, const Matrix<D>& F
   Particles<D>& particles = problem_.particles;
   if (!(F.determinant() > 0))
     throw Failure(steps_, "particle", p,
-                  "its volume is no longer positive (det F = " +
-                      recon::detail::to_text(F.determinant()) + ")");
+                  "its volume is no longer positive (det F = " + brief(F.determinant()) + ")");
   particles.F[p] = F;
   particles.L[p] = L;
   std::visit(

@@ -251,6 +251,33 @@ TEST(LinePlot, Svg) {
   EXPECT_EQ(folder.entries(), 2u);
 }
 
+// On a logarithmic axis that begins anywhere a label stands where its number is.
+TEST(LinePlot, LabelsOfDecadesStandWhereTheyBelong) {
+  const TemporaryFolder folder;
+  LinePlot plot;
+  plot.log_x = true;
+  plot.curves = {
+      {"a", {70, 100, 1000, 5578}, {1, 2, 3, 4}, recon::CurveStyle::markers, {"", "", "here", ""}}};
+  recon::draw(folder / "a.svg", plot);
+  const std::string text = bytes_of(folder / "a.svg");
+  const auto place_before = [&](const std::string& what, std::size_t begin) {
+    const std::size_t at = text.find(what, begin), place = text.rfind("translate(", at);
+    EXPECT_NE(at, std::string::npos) << what;
+    return std::atof(text.c_str() + place + std::string("translate(").size());
+  };
+  std::size_t marker = text.find("<use xlink:href='#gpPt6' transform");
+  std::vector<double> markers;
+  for (; marker != std::string::npos;
+       marker = text.find("<use xlink:href='#gpPt6' transform", marker + 1))
+    markers.push_back(std::atof(text.c_str() + text.find("translate(", marker) + 10));
+  ASSERT_GE(markers.size(), 4u);
+  EXPECT_NEAR(place_before("dy=\"-6.00px\">2<", 0), markers[1], 0.02);
+  EXPECT_NEAR(place_before("dy=\"-6.00px\">3<", 0), markers[2], 0.02);
+  EXPECT_NE(text.find("here"), std::string::npos);
+  plot.curves[0].labels.pop_back();
+  expect_invalid([&] { recon::draw(folder / "b.svg", plot); }, "labels");
+}
+
 TEST(LinePlot, WrongInput) {
   const TemporaryFolder folder;
   const auto expect = [&](const LinePlot& plot, const std::string& part) {
