@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "core/flatten.hpp"
 #include "mpm/cell_quadrature.hpp"
 #include "mpm/gauss_quadrature.hpp"
 #include "mpm/mass_matrix.hpp"
@@ -234,7 +235,7 @@ void Simulation<D>::scatter(Shape shape_of) {
   const auto modes = static_cast<std::size_t>(mode_count(method.velocity, D));
   const auto rows = [&](std::size_t p) { return shape_of.nodes_along(grid, particles, p, D - 1); };
   // Flattened, here and in gather(): with so many shapes the compiler runs out of what it inlines.
-  const auto add = [&](std::size_t p, Scratch<D> & scratch) __attribute__((flatten)) {
+  const auto add = [&](std::size_t p, Scratch<D>& scratch) RECON_FLATTEN {
     if (gauss && in_full_cell(problem_, cells_.fill, p)) return;
     ShapeFunctions<D>& shape = scratch.shape;
     const double volume = shape_of.shape(grid, particles, p, shape);
@@ -399,8 +400,8 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
   [[maybe_unused]] const VelocityMap map = problem_.method.velocity;
   [[maybe_unused]] const auto modes = static_cast<std::size_t>(mode_count(map, D));
   parallel_blocks(
-      particles.size(), particles_per_block,
-      problem_.threads, [&](std::size_t begin, std::size_t end) __attribute__((flatten)) {
+      particles.size(), particles_per_block, problem_.threads,
+      [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
         Scratch<D> scratch;
         ShapeFunctions<D>& shape = scratch.shape;
         for (std::size_t p = begin; p < end; ++p) {
