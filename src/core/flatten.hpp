@@ -1,6 +1,6 @@
-// RECON_FLATTEN after the parameters of a lambda: whatever its body calls is inlined, also where the
-// compiler has inlined so much already that it would stop. Not under sanitizers, whose checks would
-// make a function of that size take minutes to compile.
+// RECON_FLATTEN after the parameters of a lambda: whatever its body calls is inlined, also where
+// the compiler has inlined so much already that it would stop. Not under sanitizers, whose checks
+// would make a function of that size take minutes to compile.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -37,7 +37,14 @@ std::string plain_name(const std::string& method) {
 }
 
 std::string percent(double part, int digits) {
-  return std::isfinite(part) ? number(100 * part, digits) + " %" : "-";
+  if (!std::isfinite(part)) return "-";
+  double value = 100 * part;
+  if (std::abs(value) >= std::pow(10.0, digits)) {  // no exponent: zeros at the end
+    const double last = std::pow(10.0, std::floor(std::log10(std::abs(value))) + 1 - digits);
+    value = std::round(value / last) * last;
+    digits = 15;
+  }
+  return number(value, digits) + " %";
 }
 
 Words joined(Words a, const Words& b) {
