@@ -78,7 +78,9 @@ struct Writer {
     attribute(name, &value, H5T_NATIVE_DOUBLE);
   }
   void attribute(const char* name, const std::string& value) const {
-    attribute(name, value.c_str(), text_type());
+    char text[text_size] = {};  // as many bytes are written, whatever the length
+    value.copy(text, text_size - 1);
+    attribute(name, text, text_type());
   }
 };
 
