@@ -83,6 +83,21 @@ TEST_F(MpmProgram, ConvergeWritesATable) {
   EXPECT_THAT(read("c.csv"), HasSubstr("cpls,32,0.03125,0.02"));
 }
 
+TEST_F(MpmProgram, CompareShowsAllMethods) {
+  const std::string shown = succeed(
+      "compare vibration_1d.toml --cells 4,8 --methods mpm,cpls,q8 --no-stability --quiet --out "
+      "a.csv");
+  EXPECT_THAT(shown, AllOf(HasSubstr("\ncpls "), HasSubstr("refused: "), HasSubstr("is for 2-D")));
+  const std::string csv = read("a.csv");
+  EXPECT_THAT(csv, AllOf(HasSubstr("method,displacement error,order"), HasSubstr("\ncpls,"),
+                         HasSubstr("refused")));
+  expect_failure("compare vibration_1d.toml --methods cpl", 1, HasSubstr("cpls"));
+  expect_failure("compare vibration_1d.toml --cells no", 1, HasSubstr("--cells"));
+  expect_failure("compare vibration_1d.toml --against luck", 1, HasSubstr("angular"));
+  expect_failure("compare nothing.toml", 2, HasSubstr("no such file"));
+  expect_failure("compare vibration_1d.toml --picture a.gif", 1, HasSubstr(".png"));
+}
+
 TEST_F(MpmProgram, OneClaimIsVerified) {
   EXPECT_THAT(succeed("verify --only 'figure 4.8' --quiet"),
               AllOf(HasSubstr("| Gong 2015, figure 4.8 |"), HasSubstr("| holds |")));
