@@ -153,7 +153,7 @@ void Simulation<D>::map() {
                     method.mass == MassMatrix::consistent ? &mass_entries_ : nullptr);
   }
   with_shape(method, [&](auto shape_of) { scatter(shape_of); });
-  if (is_cell(method.quadrature)) integrate_cells();
+  if (is_cell(method.quadrature)) integrate_cells(problem_, acceleration_, cells_, nodes_);
 
   double heaviest = 0;
   for (const double mass : nodes_.mass) heaviest = std::max(heaviest, std::abs(mass));
@@ -285,11 +285,6 @@ void Simulation<D>::scatter(Shape shape_of) {
     for (std::size_t k = 0; k < shape.size(); ++k)
       nodes_.force[shape.node[k]] += shape.S[k] * force;
   }
-}
-
-template <int D>
-void Simulation<D>::integrate_cells() {
-  mpm::integrate_cells(problem_, acceleration_, cells_, nodes_);
 }
 
 template <int D>

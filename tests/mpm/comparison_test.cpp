@@ -64,7 +64,8 @@ TEST(Comparison, EveryMethodRunsEveryProblemOrSaysWhyNot) {
 // leapfrog's error, and what conserves by construction has no defect.
 TEST(Comparison, RowsSayWhatIsConserved) {
   const auto rows =
-      compare(example_with("vibration_2d.toml", {"G=0.001", "end=0.005", "threads=1"}), {all_names(), {8, 16}, false});
+      compare(example_with("vibration_2d.toml", {"G=0.001", "end=0.005", "threads=1"}),
+              {all_names(), {8, 16}, false});
   ASSERT_EQ(rows.size(), methods().size());
   for (const ComparisonRow& row : rows) {
     EXPECT_TRUE(row.refusal.empty()) << row.method << ": " << row.refusal;
@@ -79,9 +80,9 @@ TEST(Comparison, RowsSayWhatIsConserved) {
     EXPECT_GT(row.nanoseconds, 0) << row.method;
     EXPECT_LE(std::abs(row.energy_error), 0.2) << row.method;
     const Method& method = method_named(row.method);
-    const bool fitted = method.velocity == VelocityMap::mls || method.velocity == VelocityMap::imls ||
-                        method.velocity == VelocityMap::cpls ||
-                        method.quadrature == Quadrature::gauss_cells;
+    const bool fitted =
+        method.velocity == VelocityMap::mls || method.velocity == VelocityMap::imls ||
+        method.velocity == VelocityMap::cpls || method.quadrature == Quadrature::gauss_cells;
     if (fitted)
       EXPECT_GT(row.momentum_defect, 1e-8) << row.method;
     else

@@ -135,7 +135,6 @@ class Simulation {
   void move(std::size_t p, const Vector<D>& x);
   void strain(std::size_t p, const Matrix<D>& L, const Matrix<D>& F, double dt);
   void strain_by_map();
-  void integrate_cells();
   void correct_momentum();
   void solve_consistent();
   void watch_mass(double lightest);
