@@ -62,12 +62,8 @@ const Method& method_named(std::string_view name) {
 }
 
 void Method::validate(int dimension) const {
-  const bool cell_fits = quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
-  const bool gauss =
-      quadrature == Quadrature::taylor_cells || quadrature == Quadrature::gauss_cells;
-  const bool elements = basis == Basis::q8 || basis == Basis::q9;
-  const bool fitted = velocity == VelocityMap::mls || velocity == VelocityMap::imls ||
-                      velocity == VelocityMap::cpls;
+  const bool cell_fits = is_cell(quadrature), gauss = is_gauss(quadrature);
+  const bool elements = is_element(basis), fitted = is_fit(velocity);
   const bool remembers = velocity == VelocityMap::affine || velocity == VelocityMap::polynomial;
   const int highest = velocity == VelocityMap::imls ? 3 : 2;
   require(degree >= 1 && degree <= highest, "degree of the method", degree,

@@ -26,7 +26,7 @@ void Problem<D>::validate() const {
           "must be one for each material");
   require(gravity.allFinite(), "gravity", gravity.transpose(), "must be finite");
   method.validate(D);
-  if (method.basis == Basis::q8 || method.basis == Basis::q9)
+  if (is_element(method.basis))
     for (int d = 0; d < D; ++d)
       require(grid.cells(d) % 2 == 0, "cells of the grid along an axis", grid.cells(d),
               "must be even with elements of 2 x 2 cells");

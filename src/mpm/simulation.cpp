@@ -21,13 +21,6 @@ constexpr std::size_t fewest_for_threads =
     2000;                                // a step of fewer is over before threads have started
 constexpr double lightest_node = 1e-10;  // of the heaviest
 
-bool is_gauss(Quadrature quadrature) {
-  return quadrature == Quadrature::taylor_cells || quadrature == Quadrature::gauss_cells;
-}
-bool is_cell(Quadrature quadrature) {
-  return quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
-}
-
 // For messages.
 std::string brief(double value, int digits = 4) {
   char text[32];
@@ -146,11 +139,11 @@ void Simulation<D>::map() {
   nodes_.mass.assign(count, 0);
   nodes_.momentum.assign(count, Vector<D>::Zero());
   nodes_.force.assign(count, Vector<D>::Zero());
-  mass_entries_.clear();
+  MassEntries mass_entries;  // from Gauss points, of a consistent mass
   if (is_gauss(method.quadrature)) {
     cells_.fill = full_cells(problem_);
     integrate_gauss(problem_, acceleration_, cells_.fill, nodes_,
-                    method.mass == MassMatrix::consistent ? &mass_entries_ : nullptr);
+                    method.mass == MassMatrix::consistent ? &mass_entries : nullptr);
   }
   with_shape(method, [&](auto shape_of) { scatter(shape_of); });
   if (is_cell(method.quadrature)) integrate_cells(problem_, acceleration_, cells_, nodes_);
@@ -171,10 +164,10 @@ void Simulation<D>::map() {
     if (std::abs(nodes_.mass[i]) > lightest)
       nodes_.acceleration[i] += nodes_.force[i] / nodes_.mass[i];
   }
-  if (method.mass == MassMatrix::consistent) solve_consistent();
-  if (fits_velocity(method.velocity)) fit_velocity(problem_, nodes_);
+  if (method.mass == MassMatrix::consistent) solve_consistent(std::move(mass_entries), lightest);
+  if (is_fit(method.velocity)) fit_velocity(problem_, nodes_);
   if (method.momentum_correction &&
-      (fits_velocity(method.velocity) || method.quadrature == Quadrature::gauss_cells))
+      (is_fit(method.velocity) || method.quadrature == Quadrature::gauss_cells))
     correct_momentum();
   nodes_.velocity = nodes_.mapped;
   hold_boundaries();
@@ -185,7 +178,7 @@ template <int D>
 void Simulation<D>::watch_mass(double lightest) {
   nodes_.negative = 0;
   const Method& method = problem_.method;
-  const bool elements = method.basis == Basis::q8 || method.basis == Basis::q9;
+  const bool elements = is_element(method.basis);
   if (!elements && method.quadrature == Quadrature::particles) return;
   const bool first = signs_.empty();
   signs_.resize(nodes_.mass.size());
@@ -208,19 +201,17 @@ void Simulation<D>::watch_mass(double lightest) {
 }
 
 template <int D>
-void Simulation<D>::solve_consistent() {
+void Simulation<D>::solve_consistent(std::vector<Eigen::Triplet<double>> entries, double lightest) {
   const Particles<D>& particles = problem_.particles;
   with_shape(problem_.method, [&](auto shape_of) {
     ShapeFunctions<D> shape;
     for (std::size_t p = 0; p < particles.size(); ++p) {
       if (is_gauss(problem_.method.quadrature) && in_full_cell(problem_, cells_.fill, p)) continue;
       shape_of.shape(problem_.grid, particles, p, shape);
-      add_mass(shape, particles.mass[p], mass_entries_);
+      add_mass(shape, particles.mass[p], entries);
     }
   });
-  double heaviest = 0;
-  for (const double mass : nodes_.mass) heaviest = std::max(heaviest, std::abs(mass));
-  solve_mass(mass_entries_, lightest_node * heaviest, problem_.gravity, held_, steps_, nodes_);
+  solve_mass(entries, lightest, problem_.gravity, held_, steps_, nodes_);
 }
 
 template <int D>
@@ -353,16 +344,19 @@ void Simulation<D>::advance(double dt) {
     advance_runge_kutta(dt);
   } else {
     const double kick = (last_dt_ + dt) / 2;
-    if (update == Update::xpic) carried_ = filtered(nodes_.velocity);
     const auto accelerate = [&](std::vector<Vector<D>>& velocity) {
       for (std::size_t i = 0; i < velocity.size(); ++i)
         velocity[i] += kick * nodes_.acceleration[i];
     };
-    if (update == Update::xpic) accelerate(carried_);
+    std::vector<Vector<D>> smooth;  // of xpic, whose L is that of the nodes themselves
+    if (update == Update::xpic) {
+      smooth = filtered(nodes_.velocity);
+      accelerate(smooth);
+    }
     accelerate(nodes_.velocity);
     if (update == Update::fmpm) nodes_.velocity = filtered(std::move(nodes_.velocity));
-    if (update == Update::pic || update == Update::fmpm) carried_ = nodes_.velocity;
-    with_shape(problem_.method, [&](auto shape_of) { gather(shape_of, dt, kick); });
+    const auto& carried = update == Update::xpic ? smooth : nodes_.velocity;
+    with_shape(problem_.method, [&](auto shape_of) { gather(shape_of, carried, dt, kick); });
   }
   time_ += dt;
   last_dt_ = dt;
@@ -387,7 +381,8 @@ void Simulation<D>::strain_by_map() {
 
 template <int D>
 template <class Shape>
-void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
+void Simulation<D>::gather(Shape shape_of, const std::vector<Vector<D>>& carried, double dt,
+                           double kick) {
   Particles<D>& particles = problem_.particles;
   const Grid<D>& grid = problem_.grid;
   const bool flip = problem_.method.update == Update::flip;
@@ -402,14 +397,14 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
         for (std::size_t p = begin; p < end; ++p) {
           shape_of.shape(grid, particles, p, shape);
           const Matrix<D> L = shape.gradient(nodes_.velocity);
-          const Vector<D> v = flip ? shape.value(nodes_.velocity) : shape.value(carried_);
+          const Vector<D> v = shape.value(carried);
           if constexpr (is_product<D, Shape>) {
             if (modes > 0) {
               scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p], map);
               for (int r = 0; r < scratch.modes.count(); ++r) {
                 Vector<D> sum = Vector<D>::Zero();
                 for (std::size_t k = 0; k < shape.size(); ++k)
-                  sum += shape.S[k] * scratch.modes.value(r, k) * carried_[shape.node[k]];
+                  sum += shape.S[k] * scratch.modes.value(r, k) * carried[shape.node[k]];
                 particles.modes[p * modes + static_cast<std::size_t>(r)] =
                     scratch.modes.norm(r) > 0 ? Vector<D>(sum / scratch.modes.norm(r))
                                               : Vector<D>::Zero();
@@ -422,7 +417,7 @@ void Simulation<D>::gather(Shape shape_of, double dt, double kick) {
             particles.v[p] += kick * shape.value(nodes_.acceleration);
           else
             particles.v[p] = v;
-          shape_of.move(grid, particles, p, flip ? nodes_.velocity : carried_, dt);
+          shape_of.move(grid, particles, p, carried, dt);
         }
       });
 }

@@ -5,10 +5,6 @@
 
 namespace recon::mpm {
 
-inline bool fits_velocity(VelocityMap map) {
-  return map == VelocityMap::mls || map == VelocityMap::imls || map == VelocityMap::cpls;
-}
-
 // Replaces nodes.mapped of the nodes with mass by the fit of the problem's method; where no point
 // lies in the support the mass-weighted velocity stays, and is counted in nodes.unfitted.
 template <int D>

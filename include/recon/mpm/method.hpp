@@ -67,6 +67,20 @@ enum class MassMatrix { lumped, consistent };
 //          other, and energy oscillates without being lost (Bardenhagen 2002). Costs another map
 enum class StressUpdate { last, first };
 
+// What several places ask of a choice.
+inline bool is_element(Basis basis) {
+  return basis == Basis::q8 || basis == Basis::q9;
+}
+inline bool is_fit(VelocityMap map) {
+  return map == VelocityMap::mls || map == VelocityMap::imls || map == VelocityMap::cpls;
+}
+inline bool is_cell(Quadrature quadrature) {
+  return quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
+}
+inline bool is_gauss(Quadrature quadrature) {
+  return quadrature == Quadrature::taylor_cells || quadrature == Quadrature::gauss_cells;
+}
+
 struct Method {
   std::string name;
   Domain domain = Domain::point;

@@ -66,7 +66,7 @@ template <int D>
 struct Nodes {
   std::vector<double> mass;
   Eigen::SparseMatrix<double> mass_matrix;  // consistent mass, else empty
-  std::vector<Vector<D>> momentum;          // of the particles: sum_p S m_p v_p, or as mapped
+  std::vector<Vector<D>> momentum;          // sum_p S m_p v_p, or what a map has for it
   std::vector<Vector<D>> force;             // internal and external
   std::vector<Vector<D>> mapped;            // v_i as it was mapped, without the boundary's say
   std::vector<Vector<D>> velocity;          // v_i
@@ -129,14 +129,14 @@ class Simulation {
   template <class Shape>
   void scatter(Shape shape_of);
   template <class Shape>
-  void gather(Shape shape_of, double dt, double kick);
+  void gather(Shape shape_of, const std::vector<Vector<D>>& carried, double dt, double kick);
   template <class Shape>
   void start_modes(Shape shape_of);
   void move(std::size_t p, const Vector<D>& x);
   void strain(std::size_t p, const Matrix<D>& L, const Matrix<D>& F, double dt);
   void strain_by_map();
   void correct_momentum();
-  void solve_consistent();
+  void solve_consistent(std::vector<Eigen::Triplet<double>> entries, double lightest);
   void watch_mass(double lightest);
   void find_held();
   void hold_boundaries();
@@ -150,9 +150,7 @@ class Simulation {
   Cells<D> cells_;
   std::vector<HeldVelocity> held_;
   std::vector<Vector<D>> acceleration_;  // body force per mass of the particles
-  std::vector<Vector<D>> carried_;  // of the nodes, what particles take in other updates than flip
-  std::vector<Eigen::Triplet<double>> mass_entries_;  // from Gauss points
-  std::vector<signed char> signs_;                    // of the nodes' masses, in the step before
+  std::vector<signed char> signs_;       // of the nodes' masses, in the step before
   std::optional<NegativeMass> negative_mass_, sign_change_;
 };
 
