@@ -2,7 +2,6 @@
 
 #include <cstdio>
 
-#include "recon/io/atomic_file.hpp"
 #include "recon/io/write.hpp"
 
 namespace recon::mpm {
@@ -17,13 +16,10 @@ std::string file_name(const std::string& name, const char* kind, std::size_t num
 
 void write_list(const std::filesystem::path& folder, const std::string& name, const char* kind,
                 const char* extension, const std::vector<double>& times) {
-  AtomicFile file(folder / (name + "_" + kind + ".pvd"));
-  file.write("<VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n");
+  std::vector<TimedFile> files;
   for (std::size_t i = 0; i < times.size(); ++i)
-    file.write("    <DataSet timestep=\"" + recon::detail::to_text(times[i]) +
-               "\" part=\"0\" file=\"" + file_name(name, kind, i, extension) + "\"/>\n");
-  file.write("  </Collection>\n</VTKFile>\n");
-  file.commit();
+    files.push_back({times[i], file_name(name, kind, i, extension)});
+  write_pvd(folder / (name + "_" + kind + ".pvd"), files);
 }
 
 // get(i) is a number, or a vector of `components`.
