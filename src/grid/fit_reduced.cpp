@@ -28,7 +28,7 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
   report.solver = Solver::moment_matrix;
   // A node may be seen by particles of negligible weight only.
   report.neighbours = std::max(1u, static_cast<std::uint32_t>(moments[0]));
-  report.rcond = static_cast<float>(matrix.rcond());
+  report.smallest_pivot = static_cast<float>(matrix.smallest_pivot());
   report.amplification = static_cast<float>(matrix.amplification());
   for (int k = 0; k <= R; ++k)
     report.kept[k] = static_cast<std::uint8_t>(Basis::begin(k + 1) - Basis::begin(k));

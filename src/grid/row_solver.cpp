@@ -85,7 +85,7 @@ void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t co
   if (out[0] != 0) {
     report = full_;
     report.neighbours = static_cast<std::uint32_t>(count);
-    report.rcond = static_cast<float>(out[lanes]);
+    report.smallest_pivot = static_cast<float>(out[lanes]);
     report.amplification = static_cast<float>(out[2 * lanes]);
     out += NodeRow<Scalar>::head * lanes;
     for (int c = 0; c < plan_.components; ++c) {

@@ -139,7 +139,7 @@ class Kernel final : public ShapeKernel<Scalar> {
     FitReport report;
     report.solver = choice_.solver;
     report.neighbours = lane.neighbours;
-    report.rcond = lane.rcond;
+    report.smallest_pivot = lane.smallest_pivot;
     report.amplification = lane.amplification;
     report_full<Basis>(report);
     return report;

@@ -84,7 +84,7 @@ class Lanes {
       scatter(l, out);
       detail::LaneReport& report = task_.reports[i + l - task_.begin];
       report.neighbours = static_cast<std::uint32_t>(static_cast<Scalar>(stencil_.weighted()[l]));
-      report.rcond = static_cast<float>(static_cast<Scalar>(fit_.rcond()[l]));
+      report.smallest_pivot = static_cast<float>(static_cast<Scalar>(fit_.smallest_pivot()[l]));
       report.amplification = static_cast<float>(static_cast<Scalar>(fit_.amplification()[l]));
       report.done = true;
     }

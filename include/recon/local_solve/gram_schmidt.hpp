@@ -77,7 +77,7 @@ class GramSchmidt {
     if (cloud.size == 0) return report;
     weight_sum_ = regular_.weight_sum();
     if (regular) {
-      report.rcond = static_cast<float>(regular_.rcond());
+      report.smallest_pivot = static_cast<float>(regular_.smallest_pivot());
       detail::report_full<B>(report);
     } else {
       fit_blocks(cloud, detail::Thresholds<T>(tolerances_, cloud.noise), report);
@@ -173,7 +173,7 @@ class GramSchmidt {
         floor = T(0);
       }
     }
-    report.rcond = static_cast<float>(smallest);
+    report.smallest_pivot = static_cast<float>(smallest);
     detail::finish_report<B>(report);
   }
 

@@ -62,8 +62,8 @@ class MomentMatrix {
     return factor(noise);
   }
 
-  // The smallest pivot, FitReport::rcond; and FitReport::amplification.
-  const T& rcond() const { return smallest_; }
+  // The smallest pivot, FitReport::smallest_pivot; and FitReport::amplification.
+  const T& smallest_pivot() const { return smallest_; }
   const T& amplification() const { return amplification_; }
   // M^-1 e with e the basis at the target: phi_p = w_p m_p . coefficients().
   const Vector& coefficients() const { return value_; }

@@ -79,7 +79,7 @@ class ReferenceFit {
     }
     const T amplification2 = weight_sum * fit_.christoffel();
     if (!(amplification2 <= T(tolerances_.leverage * tolerances_.leverage))) return false;
-    report.rcond = static_cast<float>(smallest * smallest);
+    report.smallest_pivot = static_cast<float>(smallest * smallest);
     report.amplification = static_cast<float>(std::sqrt(amplification2));
     detail::report_full<B>(report);
     return true;

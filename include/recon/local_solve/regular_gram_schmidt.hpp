@@ -35,7 +35,7 @@ class RegularGramSchmidt {
     fit_.start(cloud, B::size);
     weight_sum_ = T(0);
     for (int p = 0; p < n; ++p) weight_sum_ += cloud.w[p];
-    rcond_ = T(1);
+    smallest_pivot_ = T(1);
     Mask regular = weight_sum_ > T(0);
     if (n < B::size) return Mask(false);
 
@@ -58,7 +58,8 @@ class RegularGramSchmidt {
       regular = regular && part > thresholds.clear2 * whole;
       if (B::degree >= 1 && j < B::begin(2)) regular = regular && part > shortest;
       if (!any_lane(regular)) return regular;
-      rcond_ = smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), rcond_);
+      smallest_pivot_ =
+          smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), smallest_pivot_);
       const T scale = T(1) / sqrt(select(regular, part, T(1)));
       for (int p = 0; p < n; ++p) column[p] *= scale;
       for (T& coefficient : jet) coefficient *= scale;
@@ -68,8 +69,8 @@ class RegularGramSchmidt {
     return regular && amplification_ <= T(static_cast<ScalarOf<T>>(tolerances_.leverage));
   }
 
-  // FitReport::rcond and FitReport::amplification; the sum of the weights.
-  const T& rcond() const { return rcond_; }
+  // FitReport::smallest_pivot and FitReport::amplification; the sum of the weights.
+  const T& smallest_pivot() const { return smallest_pivot_; }
   const T& amplification() const { return amplification_; }
   const T& weight_sum() const { return weight_sum_; }
 
@@ -89,7 +90,7 @@ class RegularGramSchmidt {
 
   FitTolerances tolerances_;
   OrthonormalFit<T, D> fit_;
-  T weight_sum_ = T(0), rcond_ = T(1), amplification_ = T(0);
+  T weight_sum_ = T(0), smallest_pivot_ = T(1), amplification_ = T(0);
 };
 
 }  // namespace recon
