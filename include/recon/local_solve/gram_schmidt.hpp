@@ -33,6 +33,7 @@
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/local_solve/orthonormal_fit.hpp"
 #include "recon/local_solve/regular_gram_schmidt.hpp"
@@ -97,9 +98,7 @@ class GramSchmidt {
   using Jet = typename OrthonormalFit<T, D>::Jet;
 
   static T dot(const T* a, const T* b, int n) {
-    T sum = T(0);
-    for (int p = 0; p < n; ++p) sum += a[p] * b[p];
-    return sum;
+    return detail::sum_of<T>(n, [&](int p) { return a[p] * b[p]; });
   }
 
   // Degree by degree, each as a block of singular directions.
