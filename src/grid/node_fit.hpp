@@ -21,8 +21,8 @@ struct NodeFits {
   std::vector<std::size_t> unsafe() const;
 };
 
-// Solves a row of nodes by the moment matrix; one object per thread. Nodes where it is not safe, or sums
-// have left the range of numbers, are marked.
+// Solves a row of nodes by the moment matrix; one object per thread. Nodes where it is not safe, or
+// sums have left the range of numbers, are marked.
 template <class Scalar>
 class RowSolver {
  public:

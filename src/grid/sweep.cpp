@@ -116,8 +116,8 @@ class TileSweep {
     }
   }
 
-  // Sums of very many particles: after each portion of a long row of cells but the last, what the nodes
-  // have got goes over to sums in double. Where there is one portion only, there are none.
+  // Sums of very many particles: after each portion of a long row of cells but the last, what the
+  // nodes have got goes over to sums in double. Where there is one portion only, there are none.
   void carry() {
     if (carried_.empty()) {
       carried_.resize(row_size_ * static_cast<std::size_t>(n_[2] * (end_[1] - begin_[1])));

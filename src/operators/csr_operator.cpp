@@ -43,7 +43,7 @@ Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32
   return values;
 }
 
-// sums[c * B + b] += sum over these entries of a row of value(e, b) * in(index(e), first + c), c < C.
+// sums[c * B + b] += sum over these entries of a row of value(e, b) in(index(e), first + c), c < C.
 template <int B, int C, class Scalar>
 void add_entries(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
                  std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
@@ -89,8 +89,8 @@ void row_sums(int components, const Scalar* values, const ParticleIndex* indices
     row_sums<B, 1>(values, indices, begin, end, in + c, stride, sums + c * B);
 }
 
-// Sums that have left the range of numbers are formed again: sum_of_products(i) is scaled sum number i.
-// Finite data can have a result that is too large by itself; then this says where.
+// Sums that have left the range of numbers are formed again: sum_of_products(i) is scaled sum
+// number i. Finite data can have a result that is too large by itself; then this says where.
 template <class Scalar, class SumOfProducts>
 void mend_overflow(Scalar* sums, int count, const char* place, std::size_t number,
                    const SumOfProducts& sum_of_products) {

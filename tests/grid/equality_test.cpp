@@ -105,8 +105,8 @@ TYPED_TEST(GridEquality, OwnWeight) {
                InvalidArgument);
 }
 
-// Weights of particles are those of Options::particle_weights, at nodes that are fitted anew from their
-// particles, too.
+// Weights of particles are those of Options::particle_weights, at nodes that are fitted anew from
+// their particles, too.
 TYPED_TEST(GridEquality, ParticleWeights) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;

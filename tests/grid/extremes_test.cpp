@@ -18,8 +18,8 @@ class GridCrowd : public ::testing::Test {};
 using CrowdCases = ::testing::Types<Case<float, 2>, Case<float, 3>, Case<double, 2>>;
 TYPED_TEST_SUITE(GridCrowd, CrowdCases, CaseNames);
 
-// Moments of a million particles in one cell (and some beside it) are those that long double sums, and
-// fits of constants and lines are right, at nodes of full and of reduced degree.
+// Moments of a million particles in one cell (and some beside it) are those that long double sums,
+// and fits of constants and lines are right, at nodes of full and of reduced degree.
 TYPED_TEST(GridCrowd, AMillionParticlesInACell) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
@@ -50,7 +50,8 @@ TYPED_TEST(GridCrowd, AMillionParticlesInACell) {
       double w = 1;
       for (int d = 0; d < D; ++d) {
         const double q = std::abs(static_cast<double>(x[d]) -
-                                  static_cast<double>(grid.coordinate(index[d], d))) / 1.5;
+                                  static_cast<double>(grid.coordinate(index[d], d))) /
+                         1.5;
         w *= q < 1 ? BSpline<2>{}(q) : 0;
       }
       count += w > 0;
@@ -141,7 +142,8 @@ TYPED_TEST(GridExtremes, ParticleWeightsHaveAnyUnit) {
       ASSERT_EQ(fit.report()[i].kept, other.report()[i].kept);
       if (fit.report()[i].status == FitStatus::no_support) continue;
       for (int c = 0; c < 2; ++c)
-        EXPECT_NEAR(fit.values()(i, c), other.values()(i, c), allowed<Scalar>(fit.report()[i])) << unit;
+        EXPECT_NEAR(fit.values()(i, c), other.values()(i, c), allowed<Scalar>(fit.report()[i]))
+            << unit;
     }
   }
 }

@@ -1,5 +1,5 @@
-// Weights that are no weights: errors with q and w out of every path, from any thread; and none from
-// places where no particle is.
+// Weights that are no weights: errors with q and w out of every path, from any thread; and none
+// from places where no particle is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -80,8 +80,8 @@ TYPED_TEST(BadWeights, AreErrorsAtOnePoint) {
               HasSubstr("shape of the weight Gaussian = 0"));
 }
 
-// A weight that interpolates has no value at q = 0. That is no error as long as no particle lies there,
-// whatever else stands in the lanes.
+// A weight that interpolates has no value at q = 0. That is no error as long as no particle lies
+// there, whatever else stands in the lanes.
 struct Singular {
   double operator()(double q) const { return (1 - q) / q; }
   double derivative(double q) const { return -1 / (q * q); }
@@ -95,7 +95,8 @@ TYPED_TEST(BadWeights, AreAskedForParticlesOnly) {
   for (const InstructionSet set : available_instruction_sets())
     for (const WeightForm form : {WeightForm::radial, WeightForm::tensor_product})
       for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt}) {
-        Options options{.weight = Singular{}, .form = form, .neighbours = Radius{0.3}, .solver = solver};
+        Options options{
+            .weight = Singular{}, .form = form, .neighbours = Radius{0.3}, .solver = solver};
         options.instruction_set = set;
         const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets), options);
         EXPECT_NO_THROW(fit.gradient());
@@ -115,12 +116,13 @@ TEST(BadWeightProducts, AreErrors) {
     double derivative(double) const { return 0; }
   };
   const auto points = random_points<double, 2>(300, 3);
-  EXPECT_THAT(message_of([&] {
-                reconstruct(points_of(points), points_of(points),
-                            {.weight = Large{}, .form = WeightForm::tensor_product,
-                             .neighbours = Radius{0.3}});
-              }),
-              HasSubstr("largest product of weights at a target = inf"));
+  EXPECT_THAT(
+      message_of([&] {
+        reconstruct(
+            points_of(points), points_of(points),
+            {.weight = Large{}, .form = WeightForm::tensor_product, .neighbours = Radius{0.3}});
+      }),
+      HasSubstr("largest product of weights at a target = inf"));
 }
 
 }  // namespace

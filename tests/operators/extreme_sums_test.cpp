@@ -29,8 +29,8 @@ PointList<Scalar, 2> crowd(bool duplicates) {
   return points;
 }
 
-// Sums of shape functions and of their moments are right to rounding, and so is what is applied. (QR works
-// out floats in double; in double Eigen's own sums are plain, and lose digits.)
+// Sums of shape functions and of their moments are right to rounding, and so is what is applied.
+// (QR works out floats in double; in double Eigen's own sums are plain, and lose digits.)
 TYPED_TEST(ManyParticles, ShapeFunctionsReproduce) {
   using Scalar = typename TypeParam::Scalar;
   const PointList<Scalar, 2> targets{{Scalar(0.45), Scalar(0.55)}};
@@ -126,7 +126,8 @@ TYPED_TEST(HugeData, ConstantsStayConstants) {
   const std::vector<Scalar> u(points.size(), huge<Scalar>);
   const std::vector<std::array<Scalar, 2>> pair(points.size(), {huge<Scalar>, Scalar(1)});
   for (int degree = 0; degree <= 2; ++degree) {
-    const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets), {.degree = degree});
+    const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
+                                          {.degree = degree});
     const auto values = fit.apply(field_of(u));
     const auto gradient = fit.gradient().apply(field_of(u));
     const auto hessian = fit.hessian().apply(field_of(u));

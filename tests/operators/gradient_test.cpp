@@ -82,8 +82,8 @@ TYPED_TEST(ExactGradient, EqualsFiniteDifferences) {
   }
 }
 
-// What a list says about its supports while the target moves: still, or a multiple of the distance to
-// the farthest neighbour.
+// What a list says about its supports while the target moves: still, or a multiple of the distance
+// to the farthest neighbour.
 TYPED_TEST(ExactGradient, FollowsWhatTheListSays) {
   constexpr int D = TypeParam::D;
   const auto points = random_points<double, D>(D == 1 ? 80 : 400, 3);

@@ -1,5 +1,5 @@
-// Weights of the particles: what they mean (copies of a particle, Shepard's formula), and that all that
-// holds without them holds with them.
+// Weights of the particles: what they mean (copies of a particle, Shepard's formula), and that all
+// that holds without them holds with them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -50,8 +50,9 @@ template <class C>
 class ParticleWeights : public ::testing::Test {};
 TYPED_TEST_SUITE(ParticleWeights, AllCases, CaseNames);
 
-// A particle of weight 3 counts as three particles at its place: for every solver, form, instruction
-// set, across periods, and whether or not the cloud is sorted (it is from 512 particles on).
+// A particle of weight 3 counts as three particles at its place: for every solver, form,
+// instruction set, across periods, and whether or not the cloud is sorted (it is from 512 particles
+// on).
 TYPED_TEST(ParticleWeights, CountLikeCopies) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
@@ -72,10 +73,14 @@ TYPED_TEST(ParticleWeights, CountLikeCopies) {
       for (const Solver solver : solvers)
         for (const WeightForm form : {WeightForm::radial, WeightForm::tensor_product})
           for (int degree = 0; degree <= 2; ++degree) {
-            Options options{.degree = degree, .form = form, .neighbours = Radius{rho},
-                            .solver = solver, .domain = unit_period<D>()};
+            Options options{.degree = degree,
+                            .form = form,
+                            .neighbours = Radius{rho},
+                            .solver = solver,
+                            .domain = unit_period<D>()};
             options.instruction_set = set;
-            const BasicReconstruction<Scalar> wanted(points_of(copies), points_of(targets), options);
+            const BasicReconstruction<Scalar> wanted(points_of(copies), points_of(targets),
+                                                     options);
             options.particle_weights = weights;
             const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets), options);
             const auto a = fit.apply(field_of(u)), b = wanted.apply(field_of(u_copies));
@@ -106,10 +111,11 @@ TYPED_TEST(ParticleWeights, AreThoseOfShepard) {
     for (std::size_t p = 0; p < points.size(); ++p) {
       double square = 0;
       for (int d = 0; d < D; ++d)
-        square += std::pow(static_cast<double>(points[p][d]) - static_cast<double>(targets[t][d]), 2);
+        square +=
+            std::pow(static_cast<double>(points[p][d]) - static_cast<double>(targets[t][d]), 2);
       const double q = std::sqrt(square) / 0.4;
       if (q >= 1) continue;
-      above += weights[p] * BSpline<3>{}(q) * u[p];
+      above += weights[p] * BSpline<3>{}(q)*u[p];
       below += weights[p] * BSpline<3>{}(q);
     }
     EXPECT_NEAR(values(t, 0), above / below, 50 * TypeParam::eps);
@@ -146,8 +152,8 @@ TYPED_TEST(ParticleWeights, HaveAnyUnit) {
   const auto targets = random_points<Scalar, D>(20, 5);
   const auto weights = spread_weights(points.size(), 2);
   Options options{.degree = 1, .particle_weights = weights};
-  const auto values =
-      BasicReconstruction<Scalar>(points_of(points), points_of(targets), options).apply(field_of(u));
+  const auto values = BasicReconstruction<Scalar>(points_of(points), points_of(targets), options)
+                          .apply(field_of(u));
   for (const double unit : {1e-290, 1e-26, 3.7, 1e290}) {
     auto scaled = weights;
     for (double& weight : scaled) weight *= unit;
@@ -204,8 +210,9 @@ TYPED_TEST(ParticleWeightGradient, EqualsFiniteDifferences) {
     const auto evaluate = [&](const PointList<double, D>& at) {
       return reconstruct(points_of(points), points_of(at), options).apply(field_of(values));
     };
-    const auto gradient =
-        reconstruct(points_of(points), points_of(targets), options).gradient().apply(field_of(values));
+    const auto gradient = reconstruct(points_of(points), points_of(targets), options)
+                              .gradient()
+                              .apply(field_of(values));
     const double step = 1e-6;
     for (int d = 0; d < D; ++d) {
       auto before = targets, after = targets;
@@ -223,9 +230,8 @@ TEST(ParticleWeightErrors, NameTheParticle) {
   const auto points = random_points<double, 2>(50, 1);
   std::vector<double> weights(50, 2.0);
   const auto said = [&] {
-    return message_of([&] {
-      reconstruct(points_of(points), points_of(points), {.particle_weights = weights});
-    });
+    return message_of(
+        [&] { reconstruct(points_of(points), points_of(points), {.particle_weights = weights}); });
   };
   using ::testing::HasSubstr;
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {

@@ -1,10 +1,10 @@
 // Sums over any number of particles that are as good as sums over few.
 //
-// Terms are added one after the other in blocks; the sums of the blocks are added up with what rounding
-// takes from each addition carried along (Knuth 1969, sec. 4.2.2; Sum2 of Ogita, Rump and Oishi 2005).
-// The error is then that of one block's sum, a few roundings, whether there are hundreds of terms or
-// millions; a plain sum of a million floats loses three of their seven digits. Up to sum_block terms
-// make one block, and the sum is the plain one to the bit.
+// Terms are added one after the other in blocks; the sums of the blocks are added up with what
+// rounding takes from each addition carried along (Knuth 1969, sec. 4.2.2; Sum2 of Ogita, Rump and
+// Oishi 2005). The error is then that of one block's sum, a few roundings, whether there are
+// hundreds of terms or millions; a plain sum of a million floats loses three of their seven digits.
+// Up to sum_block terms make one block, and the sum is the plain one to the bit.
 //
 // T is a number, or a pack (core/pack.hpp) with a sum in each lane.
 #pragma once
@@ -47,8 +47,8 @@ template <int N, class T, class Index, class Add>
   for (int i = 0; i < N; ++i) sums[i] += lost[i];
 }
 
-// Adds the terms 0 <= p < count to the N sums. add(begin, end, part) adds those of begin <= p < end to
-// part[0 .. N - 1].
+// Adds the terms 0 <= p < count to the N sums. add(begin, end, part) adds those of begin <= p < end
+// to part[0 .. N - 1].
 template <int N, class T, class Index, class Add>
 RECON_INLINE void add_in_blocks(Index count, T* sums, const Add& add) {
   if (count <= Index(sum_block)) [[likely]] {

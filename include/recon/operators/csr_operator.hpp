@@ -10,10 +10,10 @@
 // <apply(u), f> = <u, apply_transpose(f)> to rounding, whatever the number of entries of a row or
 // column (core/sums.hpp). Sums run in a fixed order: the same bits for any number of threads.
 //
-// Data near the largest number of the precision are no trouble by themselves: a sum that overflows on
-// its way is formed again with scaled factors. A result that is too large itself throws
-// InvalidArgument, naming target (or particle) and component. Results are never NaN or infinite, but
-// for `fill`.
+// Data near the largest number of the precision are no trouble by themselves: a sum that overflows
+// on its way is formed again with scaled factors. A result that is too large itself throws
+// InvalidArgument, naming target (or particle) and component. Results are never NaN or infinite,
+// but for `fill`.
 //
 // Rows without support hold no entries; apply() writes `fill` there, the transpose ignores them.
 #pragma once

@@ -40,8 +40,8 @@ struct Options {
   std::span<const double> particle_weights{};
   // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The
   // default is the nearest twice as many particles as there are basis terms, plus one. The support
-  // of Nearest moves with the k-th neighbour, and exact gradients with it; all others, and those of a
-  // list of your own unless it says otherwise, stand still (NeighbourList::support_factor).
+  // of Nearest moves with the k-th neighbour, and exact gradients with it; all others, and those of
+  // a list of your own unless it says otherwise, stand still (NeighbourList::support_factor).
   NeighbourRule neighbours = Nearest{0};
   Solver solver = Solver::gram_schmidt;
 

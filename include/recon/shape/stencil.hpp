@@ -2,9 +2,9 @@
 //
 //     xi = (x_p - x) / rho,   radial: w = w(|xi|),   tensor product: w = prod_d w(|xi_d|),
 //     d w / d x = -(sum_d dw/dxi_d (e_d + xi_d grad rho)) / rho .
-// With particle weights m_p, w and its derivatives are multiplied by them. Weights are divided by the
-// largest, so that a fit does not see their scale. The arrays are kept from target to target: nothing
-// is allocated once warm. Use one object per thread.
+// With particle weights m_p, w and its derivatives are multiplied by them. Weights are divided by
+// the largest, so that a fit does not see their scale. The arrays are kept from target to target:
+// nothing is allocated once warm. Use one object per thread.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane: then particles are not dropped but
 // get the weight 0.

@@ -15,7 +15,7 @@
 //                           P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al. (2019) eq. 10.
 //   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions (Wendland
 //   1995). Gaussian                exp(-(q/c)^2), lowered so that it is continuous at q = 1
-//                           (Belytschko, Lu, Gu 1994), c its width in supports; 1 - q^2 for large c.
+//                           (Belytschko, Lu, Gu 1994), c its width in supports; 1 - q^2 for c >> 1.
 //   InverseDistance         (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): nearly
 //   interpolating.
 #pragma once
@@ -39,9 +39,10 @@
 namespace recon {
 
 // A weight of your own: any copyable type with these two. It is called with 0 <= q < 1 only, and
-// must return finite numbers, w(q) >= 0: others throw InvalidArgument, with q and w, out of whatever
-// asked for them. It is called concurrently. One with parameters may have a member validate(), which
-// throws InvalidArgument for values that are no good; it is called when the weight is chosen.
+// must return finite numbers, w(q) >= 0: others throw InvalidArgument, with q and w, out of
+// whatever asked for them. It is called concurrently. One with parameters may have a member
+// validate(), which throws InvalidArgument for values that are no good; it is called when the
+// weight is chosen.
 template <class W>
 concept RadialWeight = std::copy_constructible<W> && requires(const W& w, double q) {
   { w(q) } -> std::convertible_to<double>;             // q = |x - x_p| / rho, no unit
