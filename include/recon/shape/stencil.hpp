@@ -200,10 +200,14 @@ class Stencil {
   void compact(bool slopes) {
     T largest = T(0);
     for (int p = 0; p < count_; ++p) largest = larger(w_[p], largest);
-    const auto finite = largest <= T(std::numeric_limits<Scalar>::max());
-    if constexpr (lanes == 1)
-      require(finite, "largest product of weights at a target", largest, "must be finite");
-    const auto usable = finite && largest >= T(std::numeric_limits<Scalar>::min());
+    auto usable = largest >= T(std::numeric_limits<Scalar>::min());
+    if constexpr (lanes == 1) {
+      using std::isfinite;
+      require(isfinite(largest), "largest product of weights at a target", largest,
+              "must be finite");
+    } else {
+      usable = usable && largest <= T(std::numeric_limits<Scalar>::max());
+    }
     const T inverse = T(1) / select(usable, largest, T(1));
     const T least = largest * T(std::numeric_limits<Scalar>::epsilon() *
                                 std::numeric_limits<Scalar>::epsilon());
