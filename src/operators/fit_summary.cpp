@@ -19,7 +19,7 @@ FitReports::FitReports(std::vector<FitReport> reports, Solver asked)
     s.mean_neighbours += report.neighbours;
     if (report.status != FitStatus::full && report.status != FitStatus::reduced) continue;
     s.handed_over += report.solver != asked;
-    s.smallest_rcond = std::min<double>(s.smallest_rcond, report.rcond);
+    s.smallest_pivot = std::min<double>(s.smallest_pivot, report.smallest_pivot);
     s.largest_amplification = std::max<double>(s.largest_amplification, report.amplification);
   }
   if (s.targets > 0) s.mean_neighbours /= static_cast<double>(s.targets);

@@ -15,7 +15,7 @@ struct FitSummary {
   std::size_t handed_over = 0;  // targets that another solver than the asked one had to solve
   std::size_t fewest_neighbours = 0, most_neighbours = 0;
   double mean_neighbours = 0;
-  double smallest_rcond = 1, largest_amplification = 1;
+  double smallest_pivot = 1, largest_amplification = 1;
 };
 
 class FitReports {

@@ -117,7 +117,7 @@ void plan_named(Particles& particles, const std::string& name, FieldPlan& plan) 
 }
 
 void require_distinct(const FieldPlan& plan) {
-  Names names{"neighbours", "rank", "degree", "status", "rcond", "amplification"};
+  Names names{"neighbours", "rank", "degree", "status", "smallest_pivot", "amplification"};
   const std::size_t reports = names.size();
   for (const PlannedField& field : plan) {
     const auto at = std::find(names.begin(), names.end(), field.name);

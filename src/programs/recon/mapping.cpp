@@ -41,7 +41,7 @@ void add_reports(FieldSet& fields, const std::vector<FitReport>& reports) {
   add(NumberType::int32, [](const FitReport& r) { return r.rank; });
   add(NumberType::int32, [](const FitReport& r) { return r.degree; });
   add(NumberType::int32, [](const FitReport& r) { return static_cast<int>(r.status); });
-  add(NumberType::float32, [](const FitReport& r) { return r.rcond; });
+  add(NumberType::float32, [](const FitReport& r) { return r.smallest_pivot; });
   add(NumberType::float32, [](const FitReport& r) { return r.amplification; });
 }
 
@@ -161,8 +161,8 @@ class Mapper {
 }  // namespace
 
 const std::vector<std::string>& report_names() {
-  static const std::vector<std::string> names{"neighbours", "rank",  "degree",
-                                              "status",     "rcond", "amplification"};
+  static const std::vector<std::string> names{"neighbours", "rank",           "degree",
+                                              "status",     "smallest_pivot", "amplification"};
   return names;
 }
 

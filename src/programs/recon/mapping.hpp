@@ -12,7 +12,7 @@ namespace recon::program {
 
 struct Mapped {
   // In the order of the plan, each followed by its gradients; then the reports: neighbours, rank,
-  // degree, status (0 full, 1 reduced, 2 nearest, 3 no_support), rcond, amplification.
+  // degree, status (0 full, 1 reduced, 2 nearest, 3 no_support), smallest_pivot, amplification.
   FieldSet fields;
   FitReports reports;  // one per target
 };

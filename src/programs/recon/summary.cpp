@@ -55,7 +55,7 @@ void print_fit(const FitSummary& summary, const FitChoice& choice) {
                                number(summary.mean_neighbours, 3) + ", most " +
                                count(summary.most_neighbours));
   if (summary.no_support + summary.nearest < summary.targets)
-    print_line("conditioning", "smallest rcond " + number(summary.smallest_rcond, 3) +
+    print_line("conditioning", "smallest pivot " + number(summary.smallest_pivot, 3) +
                                    ", errors in the data amplified at most " +
                                    number(summary.largest_amplification, 3) + " times");
 }
