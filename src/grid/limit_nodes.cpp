@@ -83,7 +83,6 @@ class NodeLimiter {
     return counts(particles_, p);
   }
 
-
   bool all_held() const {
     for (int c = 0; c < plan_.components; ++c)
       if (!ranges_[c].holds(fits_.values(static_cast<Eigen::Index>(node_), c))) return false;

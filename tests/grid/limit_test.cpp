@@ -37,8 +37,7 @@ TYPED_TEST(GridLimits, ValuesAreTheNearestInTheRangeOfTheirData) {
       const auto at = [&](Limit limit, int threads) {
         options.limit = limit;
         options.threads = threads;
-        return reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options,
-                                   field_of(mass));
+        return reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options, field_of(mass));
       };
       const auto plain = at(Limit::none, 1), strict = at(Limit::range, 1),
                  relaxed = at(Limit::relaxed, 3);

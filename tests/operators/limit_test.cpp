@@ -132,12 +132,15 @@ TYPED_TEST(Limits, LinearFieldsAreNotLimitedInside) {
 TYPED_TEST(Limits, SameBitsForAnyNumberOfThreads) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
-  const auto points = random_points<Scalar, D>(3000, 1), targets = random_points<Scalar, D>(2500, 2);
+  const auto points = random_points<Scalar, D>(3000, 1),
+             targets = random_points<Scalar, D>(2500, 2);
   const auto u = step_and_wave(points);
   const auto limited = [&](int threads, LimitCount& count) {
-    const BasicReconstruction<Scalar> fit(
-        points_of(points), points_of(targets),
-        {.degree = 2, .max_distance = 0.7, .unsupported = Unsupported::nearest, .threads = threads});
+    const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
+                                          {.degree = 2,
+                                           .max_distance = 0.7,
+                                           .unsupported = Unsupported::nearest,
+                                           .threads = threads});
     return fit.apply(field_of(u), {.limit = Limit::range, .count = &count});
   };
   LimitCount one, many;
@@ -156,8 +159,8 @@ TEST(Limit, ThreeParticlesCloseTogether) {
   const PointList<double, 2> points{{0, 0}, {0.3, 0}, {0, 0.3}};
   const std::vector<double> u{0, 1, 0};
   const PointList<double, 2> targets{{2, 0}, {0.1, 0.1}, {0, 2}};
-  const auto fit = reconstruct(points_of(points), points_of(targets),
-                               {.degree = 1, .neighbours = Radius{3}});
+  const auto fit =
+      reconstruct(points_of(points), points_of(targets), {.degree = 1, .neighbours = Radius{3}});
   EXPECT_GT(fit.apply(field_of(u))(0, 0), 6);
   LimitCount count;
   const Eigen::MatrixXd v = fit.apply(field_of(u), {.limit = Limit::range, .count = &count});
@@ -232,8 +235,8 @@ TYPED_TEST(TooFar, ByTheDistanceToTheNearestParticle) {
         const auto gradient = fit.gradient().apply(field_of(u));
         std::size_t far = 0;
         for (std::size_t t = 0; t < targets.size(); ++t) {
-          const double distance = distance_in_spacings<Scalar, D>(
-              points, targets[t], {periodic ? 1.0 : 0.0, 0, 0});
+          const double distance =
+              distance_in_spacings<Scalar, D>(points, targets[t], {periodic ? 1.0 : 0.0, 0, 0});
           if (std::abs(distance - 1.7) < 1e-4) continue;
           EXPECT_EQ(fit.report()[t].status == FitStatus::too_far, distance > 1.7) << distance;
           EXPECT_NEAR(values(t, 0), distance > 1.7 ? -3 : 2, 1e-4);
@@ -258,10 +261,9 @@ TYPED_TEST(TooFar, DenseParticlesHaveNone) {
   const auto targets = random_points<Scalar, D>(20000, 9);
   std::size_t count = 1;
   for (int d = 0; d < D; ++d) count *= n;
-  std::vector<NamedCloud<Scalar, D>> clouds{
-      {"regular", regular_points<Scalar, D>(n)},
-      {"jittered", jittered_points<Scalar, D>(n, 0.5, 1)},
-      {"copies", jittered_points<Scalar, D>(n, 0.5, 3)}};
+  std::vector<NamedCloud<Scalar, D>> clouds{{"regular", regular_points<Scalar, D>(n)},
+                                            {"jittered", jittered_points<Scalar, D>(n, 0.5, 1)},
+                                            {"copies", jittered_points<Scalar, D>(n, 0.5, 3)}};
   for (int copy = 0; copy < 3; ++copy)
     clouds[2].points.insert(clouds[2].points.end(), clouds[1].points.begin(),
                             clouds[1].points.end());
@@ -279,17 +281,15 @@ TYPED_TEST(TooFar, DenseParticlesHaveNone) {
 // One place has no spacing, and a list of one's own is judged as those that are searched.
 TEST(TooFarTargets, OnePlaceAndOwnLists) {
   const PointList<double, 2> once{{0.5, 0.5}, {0.5, 0.5}}, targets{{0.5, 0.5}, {90, 0}, {4, 0}};
-  EXPECT_EQ(reconstruct(points_of(once), points_of(targets), {.max_distance = 1.0})
-                .report()
-                .too_far(),
-            0u);
+  EXPECT_EQ(
+      reconstruct(points_of(once), points_of(targets), {.max_distance = 1.0}).report().too_far(),
+      0u);
   const PointList<double, 2> points{{0, 0}, {1, 0}, {0, 1}, {1, 1}};
   NeighbourList<double> list;
   list.offsets.assign({0, 4, 8, 12});
   list.indices.assign({0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3});
   list.support.assign({200, 200, 200});
-  const auto fit =
-      reconstruct(points_of(points), points_of(targets), list, {.max_distance = 3.0});
+  const auto fit = reconstruct(points_of(points), points_of(targets), list, {.max_distance = 3.0});
   EXPECT_EQ(fit.report().with_status(FitStatus::too_far), std::vector<std::size_t>{1});
   for (const double wrong : {0.0, -1.0, std::nan("")})
     EXPECT_THAT(message_of([&] {

@@ -36,9 +36,10 @@ enum class Limit : std::uint8_t { none, range, relaxed };
 // What limiting changed. A value that left its interval by no more than rounding (1024 eps sum_p
 // |phi_p| max_p |u_p|, which the errors of phi may reach) is brought back, but not counted.
 struct LimitCount {
-  std::vector<std::uint32_t> components;  // per target: of how many components the value was limited
-  std::size_t targets = 0;                // with any such component
-  std::size_t values = 0;                 // the sum over all targets
+  std::vector<std::uint32_t>
+      components;           // per target: of how many components the value was limited
+  std::size_t targets = 0;  // with any such component
+  std::size_t values = 0;   // the sum over all targets
 
   // Sums up `components`.
   void total() {

@@ -301,6 +301,7 @@ Command add_profile(CLI::App& app) {
       ->type_name("NAMES")
       ->capture_default_str()
       ->group("Reconstruction");
+  options->fit.limit = "none";  // read at walls, where no value lies between its data
   add_fit_options(*sub, options->fit);
   const std::string group = "Output";
   sub->add_option("--out", options->out,
