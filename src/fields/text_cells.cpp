@@ -25,9 +25,9 @@ void TextCells::add(std::uint32_t row, std::string_view text) {
 }
 
 std::optional<std::string_view> TextCells::at(std::uint32_t row) const {
-  const auto cell = std::lower_bound(
-      cells_.begin(), cells_.end(), row,
-      [](const Cell& each, std::uint32_t wanted) { return each.row < wanted; });
+  const auto cell =
+      std::lower_bound(cells_.begin(), cells_.end(), row,
+                       [](const Cell& each, std::uint32_t wanted) { return each.row < wanted; });
   if (cell == cells_.end() || cell->row != row) return std::nullopt;
   return word(cell->word);
 }

@@ -10,13 +10,15 @@ using recon::is_utf8;
 using recon::to_utf8;
 
 TEST(Utf8, WellFormed) {
-  for (const char* text : {"", "v", "v\xc2\xb2", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xed\x9f\xbf"})
+  for (const char* text :
+       {"", "v", "v\xc2\xb2", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xed\x9f\xbf"})
     EXPECT_TRUE(is_utf8(text)) << text;
 }
 
 TEST(Utf8, Malformed) {
-  for (const char* text : {"v\xb2", "\xc2", "\xc2v", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xff",
-                           "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80", "\xef\xbf\xbe", "\xe2\x82"})
+  for (const char* text :
+       {"v\xb2", "\xc2", "\xc2v", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xff",
+        "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80", "\xef\xbf\xbe", "\xe2\x82"})
     EXPECT_FALSE(is_utf8(text)) << text;
 }
 
