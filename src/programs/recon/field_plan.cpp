@@ -178,6 +178,11 @@ Names used_columns(const Particles& particles, const std::string& fields,
 
 }  // namespace
 
+bool has_sums(const FieldPlan& plan) {
+  return std::any_of(plan.begin(), plan.end(),
+                     [](const PlannedField& field) { return field.is_kernel_sum(); });
+}
+
 FieldPlan plan_fields(Particles& particles, const std::string& fields,
                       const std::vector<std::string>& components) {
   FieldPlan plan;

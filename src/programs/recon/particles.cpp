@@ -9,6 +9,7 @@
 #include "programs/common/text.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/names.hpp"
+#include "recon/neighbourhood/find_neighbours.hpp"
 
 namespace recon::program {
 
@@ -82,7 +83,7 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
 // The spacing of a regular lattice that has as many points in this extent: along an axis of length
 // L it has L / spacing of them where the axis is periodic, else one more. 0 for particles at one
 // place.
-double mean_spacing(const Particles& particles) {
+double box_spacing(const Particles& particles) {
   const auto points = [&](double spacing) {
     double product = 1;
     for (int d = 0; d < particles.dimension; ++d)
@@ -100,6 +101,25 @@ double mean_spacing(const Particles& particles) {
     (points(middle) > wanted ? least : greatest) = middle;
   }
   return greatest;
+}
+
+constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
+                                                      4 * std::numbers::pi / 3};
+
+// The spacing of a lattice as dense as the particles are where they are: by the median over the
+// particles of the distance to the k-th neighbour, k = D (D + 1), whose ball holds k spacings^D. 0
+// where most coincide.
+double local_spacing(const Particles& particles) {
+  const int dimension = particles.dimension;
+  const std::size_t k = static_cast<std::size_t>(dimension * (dimension + 1));
+  if (particles.size() < 2) return 0;
+  const PointCloud<double> cloud(particles.positions(), "particles", particles.domain);
+  constexpr double factor = 2;
+  auto reach = find_neighbours(cloud, cloud, Nearest{k + 1, factor}, particles.domain).support;
+  const auto middle = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() / 2);
+  std::nth_element(reach.begin(), middle, reach.end());
+  return *middle / factor *
+         std::pow(unit_ball[dimension - 1] / static_cast<double>(k), 1.0 / dimension);
 }
 
 }  // namespace
@@ -195,7 +215,10 @@ void measure(Particles& particles) {
     particles.extent.lower[d] = particles.domain.lower[d];
     particles.extent.upper[d] = particles.domain.upper[d];
   }
-  particles.mean_spacing = mean_spacing(particles);
+  particles.spacing = particles.box_spacing = box_spacing(particles);
+  // Where particles fill their box the two agree, up to what borders and chance do.
+  if (const double local = local_spacing(particles); local > 0 && local < 0.8 * particles.spacing)
+    particles.spacing = local;
   particles.region = bounds.value_or(particles.extent);
   particles.grid_domain = particles.domain;
   for (int d = 0; d < particles.dimension; ++d)
@@ -247,27 +270,25 @@ void leave_out_missing(Particles& particles, const std::vector<std::string>& col
 }
 
 double suggested_spacing(const Particles& particles) {
-  if (!(particles.mean_spacing > 0))
+  if (!(particles.spacing > 0))
     fail_usage("all particles are at one place, so no spacing can be suggested: say --spacing");
-  const double power = std::pow(10.0, std::floor(std::log10(particles.mean_spacing)));
+  const double wanted = std::max(particles.spacing, particles.box_spacing / 2);
+  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
   double best = power;
   for (const double step : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0})
-    if (std::abs(std::log(step * power / particles.mean_spacing)) <
-        std::abs(std::log(best / particles.mean_spacing)))
+    if (std::abs(std::log(step * power / wanted)) < std::abs(std::log(best / wanted)))
       best = step * power;
   return best;
 }
 
 double suggested_radius(const Particles& particles, int degree) {
-  if (!(particles.mean_spacing > 0))
+  if (!(particles.spacing > 0))
     fail_usage(
         "all particles are at one place, so no support can be suggested: say --radius or --k");
-  constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
-                                                        4 * std::numbers::pi / 3};
   const int terms = static_cast<int>(monomial_count(particles.dimension, degree));
   const double enough =
       std::pow((2 * terms + 1) / unit_ball[particles.dimension - 1], 1.0 / particles.dimension);
-  const double radius = particles.mean_spacing * std::max(2.0, enough);
+  const double radius = particles.spacing * std::max(2.0, enough);
   const double power = std::pow(10.0, std::floor(std::log10(radius)) - 1);
   return std::ceil(radius / power * (1 - 1e-9)) * power;  // two digits
 }

@@ -40,7 +40,10 @@ struct Particles {
   Box<double> region;             // where a grid goes: --bounds, else the extent
   PeriodicDomain<double> domain;
   PeriodicDomain<double> grid_domain;  // periodic where the region covers the whole period
-  double mean_spacing = 0;             // of a regular lattice of as many points; 0 if at one place
+  // Of the particles, a length: that of a regular lattice of as many points in the extent, or that
+  // of their own density where they do not fill the extent; 0 if all are at one place.
+  double spacing = 0;
+  double box_spacing = 0;  // the former
 
   std::size_t size() const { return table.size(); }
   PointsView<double> positions() const { return table.positions(dimension); }
@@ -61,9 +64,10 @@ Particles read_input(const InputOptions& options);
 // Leaves out the particles without a value in one of these columns, which are to be used.
 void leave_out_missing(Particles& particles, const std::vector<std::string>& columns);
 
-// A spacing near the mean spacing of the particles, of one or two digits.
+// A spacing of targets near that of the particles, of one or two digits; not less than half of
+// what the box would have, so that a grid does not grow beyond reason.
 double suggested_spacing(const Particles& particles);
-// A support radius in which a fit of this degree has neighbours enough.
+// A radius, the same everywhere, in which a fit of this degree has neighbours enough.
 double suggested_radius(const Particles& particles, int degree);
 
 }  // namespace recon::program
