@@ -42,7 +42,7 @@ AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target)
 
   do {
     temporary_ = directory / unique_name();
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (descriptor_ < 0 && errno == EEXIST);
   if (descriptor_ < 0) fail("cannot create a file in " + directory.string(), errno);
   if (replaces && fchmod(descriptor_, old.st_mode & 07777) != 0)
