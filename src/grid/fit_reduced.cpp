@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "grid/node_fit.hpp"
 #include "recon/core/parallel.hpp"
@@ -23,12 +24,13 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
     fit_node<Scalar, D, (R > 0 ? R - 1 : 0)>(moments, plan, node, fits);
     return;
   }
+  if (!std::isfinite(chosen[0])) throw_overflow(chosen[0], "sum of the weights", 0, node);
   if (R == 0 && !matrix.factor(chosen, noise)) return;
   FitReport& report = fits.reports[node] = {};
   report.solver = Solver::moment_matrix;
   // A node may be seen by particles of negligible weight only.
   report.neighbours = std::max(1u, static_cast<std::uint32_t>(moments[0]));
-  report.rcond = static_cast<float>(matrix.rcond());
+  report.smallest_pivot = static_cast<float>(matrix.smallest_pivot());
   report.amplification = static_cast<float>(matrix.amplification());
   for (int k = 0; k <= R; ++k)
     report.kept[k] = static_cast<std::uint8_t>(Basis::begin(k + 1) - Basis::begin(k));
@@ -41,10 +43,14 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
     typename MomentMatrix<Scalar, Basis>::Vector b;
     for (int j = 0; j < Basis::size; ++j) b[j] = from[j];
     b = matrix.solve(b);
+    if (!std::isfinite(b[0])) throw_overflow(b[0], "value", c, node);
     fits.values(at, c) = b[0];
-    for (int d = 0; d < D && plan.options.gradients; ++d)
-      fits.gradients(at, c * D + d) =
+    for (int d = 0; d < D && plan.options.gradients; ++d) {
+      const Scalar slope =
           R == 0 ? Scalar(0) : b[R == 0 ? 0 : 1 + d] / static_cast<Scalar>(plan.axes[d].rho);
+      if (!std::isfinite(slope)) throw_overflow(slope, "gradient", c, node);
+      fits.gradients(at, c * D + d) = slope;
+    }
   }
 }
 

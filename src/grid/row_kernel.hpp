@@ -50,8 +50,8 @@ struct NodeRow {
   std::array<Scalar, max_dimension> inverse_rho;
   const Scalar* row;    // merged moments
   const Scalar* noise;  // rounding of the coordinates, [groups][L]
-  // [groups][numbers][L]: is the moment matrix safe (1 or 0), rcond, amplification, then for each
-  // component the value and, if asked for, the gradient.
+  // [groups][numbers][L]: is the moment matrix safe (1 or 0), smallest pivot, amplification, then
+  // for each component the value and, if asked for, the gradient.
   Scalar* out;
   static constexpr int head = 3;
 };

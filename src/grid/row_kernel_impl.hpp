@@ -64,7 +64,7 @@ struct Kernel : NodeSizes<Scalar, D, R> {
       for (int k = 0; k < M; ++k) moments[k] = load(from + (1 + k) * L);
       const auto safe = matrix.factor(moments, load(nodes.noise + j * L));
       store(select(safe && load(from) >= T(Scalar(m)), T(1), T(0)), out);
-      store(matrix.rcond(), out + L);
+      store(matrix.smallest_pivot(), out + L);
       store(matrix.amplification(), out + 2 * L);
       out += NodeRow<Scalar>::head * L;
       if (!any_lane(safe)) continue;

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "recon/core/names.hpp"
-#include "recon/io/atomic_file.hpp"
 #include "recon/io/write.hpp"
 
 namespace recon::mpm {
@@ -19,42 +18,12 @@ std::string file_name(const std::string& name, const char* kind, std::size_t num
   return name + "_" + kind + digits + extension;
 }
 
-// As the value of an attribute.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\t':
-      case '\n':
-      case '\r':
-        out += "&#" + std::to_string(int{c}) + ";";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
-
 void write_list(const std::filesystem::path& folder, const std::string& name, const char* kind,
                 const char* extension, const std::vector<double>& times, std::size_t first) {
-  AtomicFile file(folder / (name + "_" + kind + ".pvd"));
-  file.write("<VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n");
+  std::vector<TimedFile> files;
   for (std::size_t i = first; i < times.size(); ++i)
-    file.write("    <DataSet timestep=\"" + recon::detail::to_text(times[i]) +
-               "\" part=\"0\" file=\"" + escaped(file_name(name, kind, i, extension)) + "\"/>\n");
-  file.write("  </Collection>\n</VTKFile>\n");
-  file.commit();
+    files.push_back({times[i], file_name(name, kind, i, extension)});
+  write_pvd(folder / (name + "_" + kind + ".pvd"), files);
 }
 
 // ---- fields of the particles ---------------------------------------------------------------------
@@ -93,6 +62,7 @@ struct ParticleField {
   int components;
   std::function<void(std::size_t p, double* to)> put;
   NumberType type = NumberType::float64;
+  FieldKind kind = FieldKind::scalars;
 };
 
 template <int D>
@@ -105,16 +75,20 @@ std::map<std::string, ParticleField> fields_of(const Problem<D>& problem,
     return ParticleField{1, [get](std::size_t p, double* to) { *to = get(p); }, NumberType::int32};
   };
   const auto vector = [](const auto& get) {
-    return ParticleField{3, [get](std::size_t p, double* to) {
+    return ParticleField{D,
+                         [get](std::size_t p, double* to) {
                            const Vector<D> value = get(p);
-                           for (int d = 0; d < 3; ++d) to[d] = d < D ? value[d] : 0;
-                         }};
+                           for (int d = 0; d < D; ++d) to[d] = value[d];
+                         },
+                         NumberType::float64, FieldKind::vector};
   };
   const auto tensor = [](const auto& get) {
-    return ParticleField{9, [get](std::size_t p, double* to) {
+    return ParticleField{9,
+                         [get](std::size_t p, double* to) {
                            const Tensor value = get(p);
                            for (int c = 0; c < 9; ++c) to[c] = value(c / 3, c % 3);
-                         }};
+                         },
+                         NumberType::float64, FieldKind::tensor};
   };
   const auto stress = [&](std::size_t p) { return full_stress(problem, particles, p); };
   return {
@@ -157,13 +131,14 @@ FieldSet fields_of_particles(const Simulation<D>& simulation,
     std::vector<double> values(particles.size() * components);
     for (std::size_t p = 0; p < particles.size(); ++p)
       field->second.put(p, &values[p * components]);
-    out.add(name, field->second.components, std::move(values), field->second.type);
+    out.add(name, field->second.components, std::move(values), field->second.type,
+            field->second.kind);
   }
   return out;
 }
 
 // ---- fields of nodes and cells -------------------------------------------------------------------
-// get(i) is a number, or a vector that becomes one of three components.
+// get(i) is a number, or a vector of the problem's dimension.
 template <class Get>
 std::vector<double> column(std::size_t count, const Get& get) {
   std::vector<double> values;
@@ -172,7 +147,7 @@ std::vector<double> column(std::size_t count, const Get& get) {
       values.push_back(static_cast<double>(get(i)));
     } else {
       const auto value = get(i);
-      for (int c = 0; c < 3; ++c) values.push_back(c < value.size() ? value[c] : 0);
+      values.insert(values.end(), value.data(), value.data() + value.size());
     }
   }
   return values;
@@ -231,9 +206,12 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
 
   FieldSet of_nodes = fields_at(simulation.time(), simulation.steps());
   of_nodes.add("mass", 1, nodes.mass);
-  of_nodes.add("velocity", 3,
-               column(grid.size(), [&](std::size_t i) { return nodes.velocity[i]; }));
-  of_nodes.add("force", 3, column(grid.size(), [&](std::size_t i) { return nodes.force[i]; }));
+  const auto add_vector = [&](const char* field, const std::vector<Vector<D>>& values) {
+    of_nodes.add(field, D, column(grid.size(), [&](std::size_t i) { return values[i]; }),
+                 NumberType::float64, FieldKind::vector);
+  };
+  add_vector("velocity", nodes.velocity);
+  add_vector("force", nodes.force);
   if (nodes.fit.size() > 0) add_reports(of_nodes, grid.size(), nodes.fit, nodes.fit_nodes);
   // Of the fits, whose stress is that of the problem's own directions.
   const auto add_fits = [&](FieldSet& fields, std::size_t rows) {

@@ -97,9 +97,9 @@ Identity identity_of(const Problem<D>& problem) {
   add("the number of loaded particles", std::to_string(problem.loads.size()));
   for (std::size_t i = 0; i < problem.loads.size(); ++i) {
     const Load<D>& load = problem.loads[i];
-    add("load " + std::to_string(i + 1),
-        "particle " + std::to_string(load.particle) + ", direction (" +
-            text_of<D>(load.direction) + "), area (" + text_of<D>(load.area) + ")");
+    add("load " + std::to_string(i + 1), "particle " + std::to_string(load.particle) +
+                                             ", direction (" + text_of<D>(load.direction) +
+                                             "), area (" + text_of<D>(load.area) + ")");
   }
   for (const auto& [key, text] : problem.formulas) add(key, text);
   return out;

@@ -185,9 +185,8 @@ bool seal_of(int descriptor, std::array<char, seal_size>& seal) {
     }
   }
   seal.fill(0);
-  std::snprintf(seal.data(), seal.size(),
-                "%s%d\nbytes %" PRIu64 "\nchecksum %016" PRIx64 "\n", first_line, format, length,
-                hash);
+  std::snprintf(seal.data(), seal.size(), "%s%d\nbytes %" PRIu64 "\nchecksum %016" PRIx64 "\n",
+                first_line, format, length, hash);
   return true;
 }
 
@@ -247,7 +246,8 @@ void check_seal(const std::filesystem::path& path, int descriptor) {
                     "is a checkpoint of format " + std::to_string(other) +
                         ", this version reads format " + std::to_string(format));
   if (found != right)
-    throw FileError(path, 0, "is damaged: its length or checksum is not the one it was sealed with");
+    throw FileError(path, 0,
+                    "is damaged: its length or checksum is not the one it was sealed with");
 }
 
 }  // namespace recon::mpm

@@ -55,9 +55,9 @@ void two_steps(recon::mpm::Simulation<2>& simulation) {
 // A file of this process, in memory where there is such a place.
 fs::path file_name() {
   static const fs::path path = [] {
-    std::string name = (fs::is_directory("/dev/shm") ? fs::path("/dev/shm")
-                                                     : fs::temp_directory_path()) /
-                       "recon-fuzz-XXXXXX";
+    std::string name =
+        (fs::is_directory("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
+        "recon-fuzz-XXXXXX";
     const int descriptor = mkstemp(name.data());
     if (descriptor < 0) abort();
     std::atexit([] { fs::remove(file_name()); });

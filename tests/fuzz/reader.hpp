@@ -16,7 +16,8 @@ inline void read(std::string_view bytes) {
   } catch (const FileError&) {
   }
   for (const int frame : {-1, 0, 1}) try {
-      const ParticleTable table = read_particles_of(bytes, {.frame = frame, .step = {}, .time = {}});
+      const ParticleTable table =
+          read_particles_of(bytes, {.frame = frame, .step = {}, .time = {}});
       for (int dimension = 1; dimension <= 3; ++dimension) try {
           const auto points = table.positions(dimension);
           if (points.size() != table.size()) std::abort();

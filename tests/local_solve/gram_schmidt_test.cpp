@@ -125,13 +125,14 @@ TYPED_TEST(LongDouble, GramSchmidtIsAccurate) {
       // Rounded coordinates may put particles a hair off the line or plane that they were meant
       // for.
       if (shape.report.rank != expected.report.rank) {
-        EXPECT_LT(std::min(shape.report.rcond, expected.report.rcond), 1e-20f) << cloud.name;
+        EXPECT_LT(std::min(shape.report.smallest_pivot, expected.report.smallest_pivot), 1e-20f)
+            << cloud.name;
         continue;
       }
       for (std::size_t p = 0; p < all.size(); ++p)
         EXPECT_NEAR(shape.value[p], static_cast<double>(expected.value[p]),
                     1000 * TypeParam::eps * std::max(1.0f, shape.report.amplification))
-            << cloud.name << ", rcond " << shape.report.rcond;
+            << cloud.name << ", smallest_pivot " << shape.report.smallest_pivot;
     }
   }
 }

@@ -68,7 +68,8 @@ std::string contents(const std::filesystem::path& path) {
   return text.str();
 }
 
-Simulation<2> simulation_of(const std::string& text, const std::vector<std::string>& settings = {}) {
+Simulation<2> simulation_of(const std::string& text,
+                            const std::vector<std::string>& settings = {}) {
   return Simulation<2>(
       std::get<ProblemFile<2>>(read_problem_text(text, "p.toml", settings)).problem);
 }
@@ -151,7 +152,8 @@ TEST_F(MpmCheckpoint, BelongsToItsProblem) {
            Case{"particles=3", "body 1.number of particles is 16 in the checkpoint, 36 now"},
            Case{"body.layout=jittered", "its place at the start or its size is another one"},
            Case{"gravity=[0, -1]", "loads.gravity is 0, 0 in the checkpoint, 0, -1 now"},
-           Case{"boundary.kind=fixed", "boundary 1.velocity is 0, free in the checkpoint, 0, 0 now"},
+           Case{"boundary.kind=fixed",
+                "boundary 1.velocity is 0, free in the checkpoint, 0, 0 now"},
            Case{"boundary.at=1", "boundary 1.at is 0 in the checkpoint, 1 now"},
            Case{"constants.A=0.2", "constants.A is 0.1 in the checkpoint, 0.2 now"},
            Case{"body.velocity=[1, 0]",
@@ -163,12 +165,12 @@ TEST_F(MpmCheckpoint, BelongsToItsProblem) {
                 AllOf(HasSubstr("checkpoint.h5: "), HasSubstr(difference)))
         << setting;
 
-  EXPECT_THAT(refusal(with("[[boundary]]",
-                           "[[pressure]]\nside = \"x_upper\"\nmagnitude = \"2 * t\"\n[[boundary]]")),
-              HasSubstr("the number of loaded particles is 0 in the checkpoint, 4 now"));
   EXPECT_THAT(
-      refusal(with("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"", "")),
-      HasSubstr("the number of boundaries is 1 in the checkpoint, 0 now"));
+      refusal(with("[[boundary]]",
+                   "[[pressure]]\nside = \"x_upper\"\nmagnitude = \"2 * t\"\n[[boundary]]")),
+      HasSubstr("the number of loaded particles is 0 in the checkpoint, 4 now"));
+  EXPECT_THAT(refusal(with("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"", "")),
+              HasSubstr("the number of boundaries is 1 in the checkpoint, 0 now"));
   // The same particles as two bodies.
   EXPECT_THAT(refusal(with("upper = [0.75, 0.75]\nvelocity = [\"A\", 0]",
                            "upper = [0.5, 0.75]\nvelocity = [\"A\", 0]\n[[body]]\nshape = \"box\"\n"
@@ -257,10 +259,9 @@ void put_number(hid_t file, const char* name, hid_t type, std::size_t at, Number
 TEST_F(MpmCheckpoint, ContentsAreCheckedBeforeTheyAreUsed) {
   EXPECT_EQ(refusal_after([](hid_t) {}), "");
   const auto no_number = HasSubstr("'time' is no number");
-  EXPECT_THAT(refusal_after([](hid_t file) {
-                replace_attribute(file, "time", H5T_IEEE_F64LE, 1, 1000);
-              }),
-              no_number);
+  EXPECT_THAT(
+      refusal_after([](hid_t file) { replace_attribute(file, "time", H5T_IEEE_F64LE, 1, 1000); }),
+      no_number);
   EXPECT_THAT(
       refusal_after([](hid_t file) { replace_attribute(file, "time", H5T_IEEE_F32LE, 0, 1); }),
       no_number);
@@ -274,9 +275,7 @@ TEST_F(MpmCheckpoint, ContentsAreCheckedBeforeTheyAreUsed) {
   EXPECT_THAT(refusal_after([](hid_t file) { EXPECT_GE(H5Adelete(file, "steps"), 0); }),
               HasSubstr("has no attribute 'steps'"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal_after([&](hid_t file) {
-                put_number(file, "F", H5T_NATIVE_DOUBLE, 9, nan);
-              }),
+  EXPECT_THAT(refusal_after([&](hid_t file) { put_number(file, "F", H5T_NATIVE_DOUBLE, 9, nan); }),
               HasSubstr("particle 2: F is not finite"));
   EXPECT_THAT(refusal_after([&](hid_t file) { put_number(file, "F", H5T_NATIVE_DOUBLE, 8, -1.0); }),
               HasSubstr("particle 2: det F is not positive"));
@@ -289,15 +288,20 @@ TEST_F(MpmCheckpoint, ContentsAreCheckedBeforeTheyAreUsed) {
     EXPECT_THAT(
         refusal_after([&](hid_t file) { put_number(file, "body", H5T_NATIVE_INT, 5, body); }),
         HasSubstr("particle 5: is of body " + std::to_string(std::int64_t{body} + 1)));
-  EXPECT_THAT(refusal_after([&](hid_t file) {
-                put_number(file, "frame_times", H5T_NATIVE_DOUBLE, 0, 1.0);
-              }),
+  EXPECT_THAT(refusal_after(
+                  [&](hid_t file) { put_number(file, "frame_times", H5T_NATIVE_DOUBLE, 0, 1.0); }),
               HasSubstr("times out of order"));
-  EXPECT_THAT(refusal_after([](hid_t file) { replace_set(file, "v", H5T_IEEE_F64LE, {15, 2}); }),
+  EXPECT_THAT(refusal_after([](hid_t file) {
+                replace_set(file, "v", H5T_IEEE_F64LE, {15, 2});
+              }),
               HasSubstr("'v' is 15 x 2, not 16 x 2"));
-  EXPECT_THAT(refusal_after([](hid_t file) { replace_set(file, "v", H5T_IEEE_F64LE, {16, 2, 1}); }),
+  EXPECT_THAT(refusal_after([](hid_t file) {
+                replace_set(file, "v", H5T_IEEE_F64LE, {16, 2, 1});
+              }),
               HasSubstr("'v' is no table"));
-  EXPECT_THAT(refusal_after([](hid_t file) { replace_set(file, "v", H5T_IEEE_F32LE, {16, 2}); }),
+  EXPECT_THAT(refusal_after([](hid_t file) {
+                replace_set(file, "v", H5T_IEEE_F32LE, {16, 2});
+              }),
               HasSubstr("'v' is of a type that no checkpoint has"));
   EXPECT_THAT(refusal_after([](hid_t file) {
                 replace_set(file, "problem", H5T_STD_U8LE, {hsize_t{1} << 50, 1});

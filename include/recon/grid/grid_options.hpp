@@ -13,6 +13,7 @@
 
 #include "recon/core/instruction_set.hpp"
 #include "recon/local_solve/local_cloud.hpp"
+#include "recon/operators/limit.hpp"
 #include "recon/points/view.hpp"
 #include "recon/weights/weight.hpp"
 
@@ -30,6 +31,9 @@ struct GridOptions {
 
   // Also the gradient of the local polynomial (the diffuse one), zero at degree 0.
   bool gradients = false;
+  // Keeps each value in or near the range of the data of the particles in its support, those with
+  // m_p > 0 (operators/limit.hpp); gradients are never limited. GridMoments, which keep no data, refuse it.
+  Limit limit = Limit::none;
   // Written where no particle is in the support.
   double fill_value = std::numeric_limits<double>::quiet_NaN();
 

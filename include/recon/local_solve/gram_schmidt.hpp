@@ -33,6 +33,7 @@
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/local_solve/orthonormal_fit.hpp"
 #include "recon/local_solve/regular_gram_schmidt.hpp"
@@ -77,7 +78,7 @@ class GramSchmidt {
     if (cloud.size == 0) return report;
     weight_sum_ = regular_.weight_sum();
     if (regular) {
-      report.rcond = static_cast<float>(regular_.rcond());
+      report.smallest_pivot = static_cast<float>(regular_.smallest_pivot());
       detail::report_full<B>(report);
     } else {
       fit_blocks(cloud, detail::Thresholds<T>(tolerances_, cloud.noise), report);
@@ -97,9 +98,7 @@ class GramSchmidt {
   using Jet = typename OrthonormalFit<T, D>::Jet;
 
   static T dot(const T* a, const T* b, int n) {
-    T sum = T(0);
-    for (int p = 0; p < n; ++p) sum += a[p] * b[p];
-    return sum;
+    return detail::sum_of<T>(n, [&](int p) { return a[p] * b[p]; });
   }
 
   // Degree by degree, each as a block of singular directions.
@@ -173,7 +172,7 @@ class GramSchmidt {
         floor = T(0);
       }
     }
-    report.rcond = static_cast<float>(smallest);
+    report.smallest_pivot = static_cast<float>(smallest);
     detail::finish_report<B>(report);
   }
 

@@ -32,7 +32,7 @@ class LocalSolve {
     if (solver_ == Solver::moment_matrix && moment_matrix_.fit(cloud)) {
       report.solver = Solver::moment_matrix;
       report.neighbours = static_cast<std::uint32_t>(cloud.size);
-      report.rcond = static_cast<float>(moment_matrix_.rcond());
+      report.smallest_pivot = static_cast<float>(moment_matrix_.smallest_pivot());
       report.amplification = static_cast<float>(moment_matrix_.amplification());
       detail::report_full<B>(report);
       return report;

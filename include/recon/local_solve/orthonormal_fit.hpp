@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 
 namespace recon {
@@ -66,8 +67,11 @@ class OrthonormalFit {
       constexpr int C = decltype(size)::value;
       std::array<T, C> r{};
       const T* u = this->column(first);
-      for (int p = 0; p < n_; ++p)
-        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { r[j] += u[j * n_ + p] * column[p]; });
+      detail::add_in_blocks<C>(n_, r.data(), [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+        for (int p = begin; p < end; ++p)
+          detail::unroll<C>([&](auto j)
+                                RECON_INLINE_LAMBDA { part[j] += u[j * n_ + p] * column[p]; });
+      });
       for (int p = 0; p < n_; ++p) {
         T rest = column[p];
         detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { rest -= r[j] * u[j * n_ + p]; });
@@ -94,8 +98,11 @@ class OrthonormalFit {
           T slope = jets_[j][1 + d] / cloud.rho;
           if (out.kind == Derivative::exact) {
             const T* u = column(j);
-            for (int p = 0; p < n_; ++p)
-              slope -= u[p] * inverse_root_[p] * cloud.dw[d][p] * lambda_[p];
+            detail::add_in_blocks<1>(
+                n_, &slope, [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+                  for (int p = begin; p < end; ++p)
+                    part[0] -= u[p] * inverse_root_[p] * cloud.dw[d][p] * lambda_[p];
+                });
           }
           return slope;
         });

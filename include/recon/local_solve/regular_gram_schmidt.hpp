@@ -15,6 +15,7 @@
 #include <cmath>
 
 #include "recon/core/lanes.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/local_solve/orthonormal_fit.hpp"
 
@@ -33,9 +34,8 @@ class RegularGramSchmidt {
     using std::sqrt;
     const int n = cloud.size;
     fit_.start(cloud, B::size);
-    weight_sum_ = T(0);
-    for (int p = 0; p < n; ++p) weight_sum_ += cloud.w[p];
-    rcond_ = T(1);
+    weight_sum_ = detail::sum_of<T>(n, [&](int p) RECON_INLINE_LAMBDA { return cloud.w[p]; });
+    smallest_pivot_ = T(1);
     Mask regular = weight_sum_ > T(0);
     if (n < B::size) return Mask(false);
 
@@ -58,7 +58,8 @@ class RegularGramSchmidt {
       regular = regular && part > thresholds.clear2 * whole;
       if (B::degree >= 1 && j < B::begin(2)) regular = regular && part > shortest;
       if (!any_lane(regular)) return regular;
-      rcond_ = smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), rcond_);
+      smallest_pivot_ =
+          smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), smallest_pivot_);
       const T scale = T(1) / sqrt(select(regular, part, T(1)));
       for (int p = 0; p < n; ++p) column[p] *= scale;
       for (T& coefficient : jet) coefficient *= scale;
@@ -68,8 +69,8 @@ class RegularGramSchmidt {
     return regular && amplification_ <= T(static_cast<ScalarOf<T>>(tolerances_.leverage));
   }
 
-  // FitReport::rcond and FitReport::amplification; the sum of the weights.
-  const T& rcond() const { return rcond_; }
+  // FitReport::smallest_pivot and FitReport::amplification; the sum of the weights.
+  const T& smallest_pivot() const { return smallest_pivot_; }
   const T& amplification() const { return amplification_; }
   const T& weight_sum() const { return weight_sum_; }
 
@@ -82,14 +83,12 @@ class RegularGramSchmidt {
 
  private:
   static T square(const T* a, int n) {
-    T sum = T(0);
-    for (int p = 0; p < n; ++p) sum += a[p] * a[p];
-    return sum;
+    return detail::sum_of<T>(n, [&](int p) RECON_INLINE_LAMBDA { return a[p] * a[p]; });
   }
 
   FitTolerances tolerances_;
   OrthonormalFit<T, D> fit_;
-  T weight_sum_ = T(0), rcond_ = T(1), amplification_ = T(0);
+  T weight_sum_ = T(0), smallest_pivot_ = T(1), amplification_ = T(0);
 };
 
 }  // namespace recon

@@ -16,10 +16,11 @@ enum class Solver : std::uint8_t {
 };
 
 enum class FitStatus : std::uint8_t {
-  full,       // all terms up to the asked degree
-  reduced,    // some terms dropped: `degree` says what is still reproduced
-  nearest,    // no particle in the support: the value of the nearest one (if the caller chose so)
-  no_support  // no particle in the support: no value
+  full,        // all terms up to the asked degree
+  reduced,     // some terms dropped: `degree` says what is still reproduced
+  nearest,     // no particle in the support: the value of the nearest one (if the caller chose so)
+  no_support,  // no particle in the support: no value
+  too_far      // farther from every particle than Options::max_distance allows: no value
 };
 
 constexpr std::string_view name_of(Solver solver) {
@@ -27,7 +28,8 @@ constexpr std::string_view name_of(Solver solver) {
   return names[static_cast<std::size_t>(solver)];
 }
 constexpr std::string_view name_of(FitStatus status) {
-  constexpr std::array<std::string_view, 4> names{"full", "reduced", "nearest", "no_support"};
+  constexpr std::array<std::string_view, 5> names{"full", "reduced", "nearest", "no_support",
+                                                  "too_far"};
   return names[static_cast<std::size_t>(status)];
 }
 
@@ -43,9 +45,10 @@ struct FitReport {
   // gives. kept[1] is the number of directions in which a gradient is resolved.
   std::array<std::uint8_t, max_degree + 1> kept{};
   // Smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with p_j
-  // the part of term q_j that is independent of the terms before it. An upper bound of the
-  // reciprocal condition number; 1 for orthogonal terms, 0 where there is no fit.
-  float rcond = 0;
+  // the part of term q_j that is independent of the terms before it. The reciprocal condition
+  // number of that matrix is at most this, and can be much smaller (a 27th was met); 1 for
+  // orthogonal terms, 0 where there is no fit.
+  float smallest_pivot = 0;
   // A bound of sum_p |phi_p|, the factor by which the fit can amplify errors in the data:
   // sqrt(sum_p w_p * e^T M^-1 e). 1 for Shepard; it grows as the target leaves the particles.
   float amplification = 0;

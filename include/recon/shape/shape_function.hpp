@@ -53,7 +53,9 @@ class ShapeEvaluator {
 
   explicit ShapeEvaluator(W weight, Solver solver = Solver::gram_schmidt,
                           WeightForm form = WeightForm::radial, FitTolerances tolerances = {})
-      : weights_{std::move(weight)}, form_(form), solve_(solver, tolerances) {}
+      : weights_{std::move(weight)}, form_(form), solve_(solver, tolerances) {
+    detail::validate_weight(weights_.weight);
+  }
 
   // Among the given neighbours; position(p) is the Point of particle p. Particles outside the
   // support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho, x or
@@ -128,7 +130,10 @@ class ShapeEvaluator {
       } else {
         for (std::size_t i = 0; i < n; ++i) {
           w[i] = q[i] < T(1) ? T(weight(q[i])) : T(0);
-          if (slope) slope[i] = q[i] < T(1) ? T(weight.derivative(q[i])) : T(0);
+          detail::require_weight(q[i], w[i]);
+          if (!slope) continue;
+          slope[i] = q[i] < T(1) ? T(weight.derivative(q[i])) : T(0);
+          detail::require_slope(q[i], slope[i]);
         }
       }
     }
