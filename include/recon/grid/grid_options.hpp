@@ -28,7 +28,8 @@ struct GridOptions {
   // weights have no natural support. At most 8 spacings.
   std::array<double, max_dimension> support{};
 
-  // Also the gradient of the local polynomial (the diffuse one), zero at degree 0.
+  // Also the gradient of the local polynomial (the diffuse one), zero at degree 0 and in directions
+  // that the particles do not resolve (FitReport::gradient_rank).
   bool gradients = false;
   // Written where no particle is in the support.
   double fill_value = std::numeric_limits<double>::quiet_NaN();

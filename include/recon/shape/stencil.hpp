@@ -51,7 +51,8 @@ class Stencil {
   // weight is not above eps^2 of the largest: those change nothing in working precision.
   // weights.evaluate(q, w, slope, n) has arrays of T. support_factor as in ShapeProblem.
   template <class Weights>
-  void weigh(const Weights& weights, WeightForm form, bool slopes, Scalar support_factor = 0) {
+  void weigh(const Weights& weights, WeightForm form, bool slopes,
+             Scalar support_factor = Scalar(0)) {
     if constexpr (lanes == 1) {
       for (int d = 0; d < D; ++d)
         for (T& offset : xi_[d]) offset /= rho_;
@@ -142,7 +143,7 @@ class Stencil {
   std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) const {
     using std::abs;
     std::array<T, D> gradient{};
-    if (!(support_factor > 0)) return gradient;
+    if (!(support_factor > Scalar(0))) return gradient;
     const T factor = T(support_factor);
     T distance = T(0);
     for (int p = 0; p < count_; ++p)
