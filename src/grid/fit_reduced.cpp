@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "grid/node_fit.hpp"
@@ -50,6 +51,7 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
     fit_node<Scalar, D, (R > 0 ? R - 1 : 0)>(moments, plan, node, fits);
     return;
   }
+  if (!std::isfinite(chosen[0])) throw_overflow(chosen[0], "sum of the weights", 0, node);
   if (R == 0 && !matrix.factor(chosen, noise)) return;
   FitReport& report = fits.reports[node] = {};
   report.solver = Solver::moment_matrix;
@@ -70,13 +72,17 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
     typename MomentMatrix<Scalar, Basis>::Vector b;
     for (int j = 0; j < Basis::size; ++j) b[j] = from[j];
     b = matrix.solve(b);
+    if (!std::isfinite(b[0])) throw_overflow(b[0], "value", c, node);
     fits.values(at, c) = b[0];
     if (!plan.options.gradients) continue;
     std::array<Scalar, D> slope{};
     for (int d = 0; d < D && R > 0; ++d) slope[d] = b[R == 0 ? 0 : 1 + d];
     if (partial) slope = partial->project(slope);
-    for (int d = 0; d < D; ++d)
-      fits.gradients(at, c * D + d) = slope[d] / static_cast<Scalar>(plan.axes[d].rho);
+    for (int d = 0; d < D; ++d) {
+      const Scalar per_length = slope[d] / static_cast<Scalar>(plan.axes[d].rho);
+      if (!std::isfinite(per_length)) throw_overflow(per_length, "gradient", c, node);
+      fits.gradients(at, c * D + d) = per_length;
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 // Delimited text with a line of column names.
 #include <algorithm>
 #include <deque>
+#include <utility>
 
 #include "column_parser.hpp"
 #include "formats.hpp"
@@ -177,27 +178,31 @@ void for_each_row(TextFile& file, Splitter& splitter, const Header& header, Row&
 
 }  // namespace
 
-FrameInfo describe_delimited(TextFile& file) {
-  Splitter splitter(file);
-  const Header header = read_header(file, splitter);
-  const ColumnParser parser(file, header.names);  // checks the names
-  FrameInfo info;
-  info.columns = header.names;
-  info.line = header.line;
-  for_each_row(file, splitter, header, [&](const auto&) { ++info.particles; });
-  return info;
+bool DelimitedFrame::next() {
+  return !std::exchange(done_, true);
 }
 
-ParticleTable read_delimited(TextFile& file) {
-  Splitter splitter(file);
-  const Header header = read_header(file, splitter);
-  ColumnParser parser(file, header.names);
-  for_each_row(file, splitter, header, [&](const std::vector<Cell>& cells) {
+void DelimitedFrame::skip() {
+  Splitter splitter(*file_);
+  const Header header = read_header(*file_, splitter);
+  const ColumnParser parser(*file_, header.names);  // checks the names
+  info_.columns = header.names;
+  info_.line = header.line;
+  for_each_row(*file_, splitter, header, [&](const auto&) { ++info_.particles; });
+}
+
+ParticleTable DelimitedFrame::read() {
+  Splitter splitter(*file_);
+  const Header header = read_header(*file_, splitter);
+  info_.columns = header.names;
+  info_.line = header.line;
+  ColumnParser parser(*file_, header.names);
+  for_each_row(*file_, splitter, header, [&](const std::vector<Cell>& cells) {
     for (std::size_t c = 0; c < cells.size(); ++c) parser.add_cell(c, cells[c].text);
     parser.end_row();
   });
   ParticleTable table = std::move(parser).finish();
-  table.source = file.path().filename().string();
+  info_.particles = table.size();
   return table;
 }
 

@@ -16,11 +16,9 @@ namespace {
 
 struct Frame {
   FrameInfo info;
-  std::string units;
   Box<double> box;
   bool has_box = false, has_count = false, has_flags = false;
   std::array<bool, max_dimension> periodic{};
-  TextFile::Mark atoms{};  // where the lines of atoms begin
 };
 
 bool is_item(std::string_view line) {
@@ -97,7 +95,6 @@ void read_columns(TextFile& file, const std::vector<std::string_view>& words, Fr
         "ITEM: ATOMS names no columns (a dump of before 2010); name them on this line, the default "
         "then was: ITEM: ATOMS id type xs ys zs");
   frame.info.columns.assign(words.begin(), words.end());
-  frame.atoms = file.mark();
 }
 
 // Reads up to and including the line ITEM: ATOMS; false at the end of the file.
@@ -119,7 +116,7 @@ bool read_header(TextFile& file, Frame& frame) {
     } else if (section == "TIME") {
       frame.info.time = read_finite(file, section, section_line(file, section));
     } else if (section == "UNITS") {
-      frame.units = section_line(file, section);
+      frame.info.units = section_line(file, section);
     } else if (section == "NUMBER OF ATOMS") {
       const std::int64_t count = read_integer(file, section);
       if (count < 0) file.fail(std::to_string(count) + " atoms: the number must not be negative");
@@ -151,8 +148,20 @@ std::string_view atom_line(TextFile& file, const Frame& frame, std::size_t done)
   return line;
 }
 
+void require_cells(const TextFile& file, const Frame& frame, std::size_t cells) {
+  if (cells == frame.info.columns.size()) return;
+  file.fail("the line has " + std::to_string(cells) + " cells, ITEM: ATOMS names " +
+            std::to_string(frame.info.columns.size()) + " columns");
+}
+
 void skip_atoms(TextFile& file, const Frame& frame) {
-  for (std::size_t i = 0; i < frame.info.particles; ++i) atom_line(file, frame, i);
+  std::vector<std::string_view> cells;
+  for (std::size_t i = 0; i < frame.info.particles; ++i) {
+    const std::string_view line = atom_line(file, frame, i);
+    if (file.line_is_closed()) continue;
+    split_at_blanks(line, cells);  // the last line of a file that may be cut
+    require_cells(file, frame, cells.size());
+  }
 }
 
 // x = lower + xs (upper - lower), as a column of its own.
@@ -178,60 +187,53 @@ ParticleTable read_atoms(TextFile& file, const Frame& frame) {
   std::vector<std::string_view> cells;
   for (std::size_t i = 0; i < frame.info.particles; ++i) {
     split_at_blanks(atom_line(file, frame, i), cells);
-    if (cells.size() != parser.columns())
-      file.fail("the line has " + std::to_string(cells.size()) + " cells, ITEM: ATOMS names " +
-                std::to_string(parser.columns()) + " columns");
+    require_cells(file, frame, cells.size());
     for (std::size_t c = 0; c < cells.size(); ++c) parser.add_cell(c, cells[c]);
     parser.end_row();
   }
+  const TextFile::Mark behind = file.mark();
   std::string_view line;
   while (file.next(line)) {
     if (trim(line).empty()) continue;
-    if (!is_item(line))
+    const bool cut_item = !file.line_is_closed() && std::string_view("ITEM:").starts_with(line);
+    if (!is_item(line) && !cut_item)
       file.fail("the frame goes on after its " + std::to_string(frame.info.particles) +
                 " atoms; a line ITEM: was expected");
     break;
   }
+  file.go_to(behind);
   return std::move(parser).finish();
-}
-
-// Walks through the frames up to number `last` (all: negative).
-std::vector<Frame> scan(TextFile& file, int last) {
-  std::vector<Frame> frames;
-  std::string units;
-  for (;;) {
-    Frame frame;
-    frame.units = units;
-    if (!read_header(file, frame)) return frames;
-    units = frame.units;
-    frames.push_back(frame);
-    if (last >= 0 && frames.size() > static_cast<std::size_t>(last)) return frames;
-    skip_atoms(file, frame);
-  }
 }
 
 }  // namespace
 
-std::vector<FrameInfo> list_lammps_frames(TextFile& file) {
-  std::vector<FrameInfo> infos;
-  for (Frame& frame : scan(file, -1)) infos.push_back(std::move(frame.info));
-  return infos;
+struct LammpsFrames::Header : Frame {};
+
+LammpsFrames::LammpsFrames(TextFile& file) : file_(&file), header_(new Header) {}
+LammpsFrames::~LammpsFrames() = default;
+
+bool LammpsFrames::next() {
+  auto header = std::make_unique<Header>();
+  header->info.units = header_->info.units;
+  if (!read_header(*file_, *header)) return false;
+  header_ = std::move(header);
+  return true;
 }
 
-ParticleTable read_lammps_frame(TextFile& file, int wanted) {
-  const std::vector<Frame> frames = scan(file, wanted);
-  const auto count = static_cast<std::int64_t>(frames.size());
-  const std::int64_t number = wanted < 0 ? count + wanted : wanted;
-  if (number < 0 || number >= count) fail_unknown_frame(file, wanted, frames.size());
-  const Frame& frame = frames[static_cast<std::size_t>(number)];
-  file.go_to(frame.atoms);
+const FrameInfo& LammpsFrames::info() const {
+  return header_->info;
+}
 
-  ParticleTable table = read_atoms(file, frame);
+void LammpsFrames::skip() {
+  skip_atoms(*file_, *header_);
+}
+
+ParticleTable LammpsFrames::read() {
+  const Frame& frame = *header_;
+  ParticleTable table = read_atoms(*file_, frame);
   table.step = frame.info.step;
   table.time = frame.info.time;
-  table.units = frame.units;
-  table.source = file.path().filename().string() + ", frame " + std::to_string(number) + ", step " +
-                 std::to_string(*frame.info.step);
+  table.units = frame.info.units;
   table.set_box(frame.box, frame.periodic);
   add_unscaled(table, frame.box);
   if (!frame.has_flags)

@@ -35,6 +35,9 @@ void NeighbourList<Scalar>::validate(std::size_t target_count, std::size_t parti
     if (support[t] * support[t] < std::numeric_limits<Scalar>::min())
       detail::throw_invalid("support of target " + std::to_string(t), support[t],
                             "must not be so small that its square underflows");
+  require(support_factor == 0 || (support_factor >= 1 && std::isfinite(support_factor)),
+          "support_factor of the neighbours", support_factor,
+          "must be 0, for supports that stand still, or finite and at least 1");
 }
 
 template struct NeighbourList<float>;

@@ -28,7 +28,8 @@ struct LaneTask {
   const ImageShift* shifts = nullptr;  // null: none
   const Scalar* support = nullptr;
   std::array<Scalar, max_dimension> period{};
-  Scalar support_factor = 0;  // as in ShapeProblem
+  Scalar support_factor = 0;                 // as in NeighbourList
+  const Scalar* particle_weights = nullptr;  // as in ShapeProblem
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
   typename WeightFunction::Function<Scalar> weigh = nullptr;
   const void* weight = nullptr;

@@ -43,6 +43,38 @@ TEST(Read, CutAndDamagedGzip) {
   expect_file_error([&] { read_particles(folder.file("bad.gz", damaged)); }, 0, "damaged");
 }
 
+TEST(Read, GzipInSeveralMembers) {
+  const TemporaryFolder folder;
+  const std::string one = bytes_of(folder.gzip("a", "x,y\n1,2\n")),
+                    two = bytes_of(folder.gzip("b", "3,4\n"));
+  EXPECT_EQ(read_particles(folder.file("c", one + two)).column("y"), (std::vector<double>{2, 4}));
+  EXPECT_EQ(read_particles(folder.file("c", one + std::string(1000, '\0'))).size(), 1u);
+  for (const std::string& behind : {std::string("3,4\n"), std::string("3"), std::string("\x1f"),
+                                    std::string(5, '\0') + "x", std::string(300000, '\0') + two})
+    expect_file_error([&] { read_particles(folder.file("c", one + behind)); }, 0,
+                      "followed by other bytes");
+  expect_file_error([&] { read_particles(folder.file("c", one + two.substr(0, 7))); }, 0,
+                    "cut off");
+}
+
+TEST(Read, NumbersBeyondDouble) {
+  const TemporaryFolder folder;
+  const auto value = [&](const std::string& text) {
+    return read_particles(folder.file("a", "x,y\n1," + text + "\n")).column("y")[0];
+  };
+  const std::string zeros(400, '0');
+  EXPECT_EQ(value("1" + zeros + "e-400"), 1);
+  EXPECT_EQ(value("0." + zeros + "1e+401"), 1);
+  EXPECT_EQ(value("1" + zeros + "e-800"), 0);
+  EXPECT_EQ(value("-0." + zeros + "1"), 0);
+  EXPECT_EQ(value("0." + zeros + "1e-99999999999999999999"), 0);
+  EXPECT_EQ(value("0e999999999999"), 0);
+  for (const std::string& text :
+       {"1" + zeros + "e-10", "-1" + zeros, "0." + zeros + "1e+800", "1" + zeros + ".5",
+        std::string("1e99999999999999999999"), "1" + zeros + "e-0"})
+    EXPECT_ANY_THROW(value(text)) << text;
+}
+
 TEST(Read, MissingFiles) {
   const TemporaryFolder folder;
   folder.file("chute.dump", "x\n1\n");

@@ -22,7 +22,8 @@ struct Sheet {
     RandomNumbers random(3);
     for (int i = 0; i < 20; ++i)
       for (int j = 0; j < 20; ++j) {
-        const double x = (i + random.uniform(0.2, 0.8)) / 20, y = (j + random.uniform(0.2, 0.8)) / 20;
+        const double x = (i + random.uniform(0.2, 0.8)) / 20,
+                     y = (j + random.uniform(0.2, 0.8)) / 20;
         points.push_back({x, y, height(x, y) + noise * random.uniform(-1, 1)});
         u.push_back(x + data_noise * random.uniform(-1, 1));
         if (i % 6 == 4 && j % 5 == 4) targets.push_back({x + 0.01, y, height(x + 0.01, y)});
@@ -45,7 +46,8 @@ template <class Scalar>
 PointList<Scalar, 3> rounded(const PointList<double, 3>& points) {
   PointList<Scalar, 3> out;
   for (const auto& x : points)
-    out.push_back({static_cast<Scalar>(x[0]), static_cast<Scalar>(x[1]), static_cast<Scalar>(x[2])});
+    out.push_back(
+        {static_cast<Scalar>(x[0]), static_cast<Scalar>(x[1]), static_cast<Scalar>(x[2])});
   return out;
 }
 
@@ -87,7 +89,8 @@ TYPED_TEST(ThinClouds, NoSlopeAcrossASheet) {
               }
               EXPECT_NEAR(in_sheet, 1, 20 * data_noise / 0.2) << at;
               // The sheet that fits the particles best is tilted a little against the true one.
-              EXPECT_NEAR(normal, 0, 10 * thickness / 0.2 + 100 * std::numeric_limits<Scalar>::epsilon())
+              EXPECT_NEAR(normal, 0,
+                          10 * thickness / 0.2 + 100 * std::numeric_limits<Scalar>::epsilon())
                   << at;
             }
           }
@@ -251,8 +254,8 @@ TEST(DenseCluster, ExtrapolationIsStillDropped) {
   RandomNumbers random(7);
   for (int i = 0; i < 8000; ++i) points.push_back({0.5 + 1e-2 * random.uniform(-1, 1)});
   const PointList<double, 1> targets{{0.0}};
-  const auto fit = reconstruct(points_of(points), points_of(targets),
-                               {.degree = 1, .neighbours = Radius{1}});
+  const auto fit =
+      reconstruct(points_of(points), points_of(targets), {.degree = 1, .neighbours = Radius{1}});
   EXPECT_EQ(fit.report()[0].status, FitStatus::reduced);
   EXPECT_EQ(fit.report()[0].gradient_rank, 0);
 }

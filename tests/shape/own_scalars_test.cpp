@@ -100,8 +100,9 @@ TYPED_TEST(OwnScalar, ReproducesToItsPrecision) {
 
 TYPED_TEST(OwnScalar, SolversOfEigenAreRefused) {
   using Shapes = ShapeEvaluator<Monomials<1, 1>, BSpline<1>, TypeParam>;
-  EXPECT_EQ(testing::message_of([] { Shapes(BSpline<1>{}, Solver::svd); }),
-            "solver = svd: must be moment_matrix or gram_schmidt for a scalar that is not built in");
+  EXPECT_EQ(
+      testing::message_of([] { Shapes(BSpline<1>{}, Solver::svd); }),
+      "solver = svd: must be moment_matrix or gram_schmidt for a scalar that is not built in");
 }
 
 TYPED_TEST(OwnScalar, BadSupportIsNamed) {

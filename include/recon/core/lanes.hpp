@@ -44,6 +44,12 @@ constexpr T constant(double value) {
   return T(static_cast<ScalarOf<T>>(value));
 }
 
+// Neither infinite nor NaN.
+template <class T>
+constexpr bool is_finite(const T& value) {
+  return value - value == T(0);
+}
+
 // A number of one lane for a report.
 template <class T>
 constexpr float to_float(const T& value) {

@@ -3,8 +3,7 @@
 // Formats are told apart by what a file contains, not by its name, and gzip is undone on the way:
 //
 //   LAMMPS text dump    one or more frames; orthogonal boxes (a triclinic one is refused); columns
-//   of
-//                       any kind in any order; boundary flags give the periodic axes. Scaled
+//                       of any kind in any order; boundary flags give the periodic axes. Scaled
 //                       coordinates xs, ys, zs become columns x, y, z, and xsu, ysu, zsu become
 //                       xu, yu, zu (x = lower + xs (upper - lower)), unless those are there
 //                       already.
@@ -20,8 +19,19 @@
 //
 // What is wrong with a file throws FileError with the line: a broken or missing line, a wrong
 // number of cells, text among numbers, a number too large for double, a damaged or cut gzip stream,
-// an unknown format. Cells that are empty or nan are kept as NaN, which the table reports when the
-// column is used.
+// bytes behind the gzip data, an unknown format. Cells that are empty or nan are kept as NaN, which
+// the table reports when the column is used.
+//
+// A file that ends within a frame (a run that was stopped, a copy that was broken off): the frames
+// before it are listed and read, with a remark; asking for the cut one is an error, and so is a
+// file without a whole frame. Where the last line is complete but for its line break, its last
+// number may lack figures: a remark says so.
+//
+// All frames, with the memory of one:
+//
+//   recon::FrameReader frames("chute.dump.gz");
+//   while (std::optional<recon::ParticleTable> table = frames.next()) use(*table);
+//   if (!frames.cut().empty()) warn(frames.cut());
 //
 // Cost: one pass over the file to find the frames, and one over the frame asked for; memory for
 // that frame only. A frame counted from the front is read without looking at what comes after it.
@@ -29,8 +39,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "recon/fields/particle_table.hpp"
@@ -44,18 +56,60 @@ struct FrameInfo {
   std::size_t particles = 0;
   std::vector<std::string> columns;  // names, as in the file
   std::size_t line = 0;              // where the frame begins
+  std::string units;                 // of LAMMPS: "lj", "si", ..., where the file says it
 };
 
 struct ReadOptions {
-  int frame = -1;  // counted from 0; negative from the end: -1 is the last
+  // One frame, by one of these: its number, counted from 0, or from the end (-1 is the last); its
+  // step; its time (to 1e-9 of it). FrameReader takes all frames and looks at none of them.
+  int frame = -1;
+  std::optional<std::int64_t> step = {};
+  std::optional<double> time = {};
 };
 
-// All frames of a file, in the order of the file. Delimited text is one frame.
+// All whole frames of a file, in the order of the file. Delimited text is one frame.
 std::vector<FrameInfo> list_frames(const std::filesystem::path& path);
 
-// The particles of one frame. Throws FileError for a frame that the file does not have, telling how
-// many there are, and for a file that is not there, naming files of that directory with a like
-// name.
+// The particles of one frame. Throws FileError for a frame that the file does not have, telling
+// which there are, and for a file that is not there, naming files of that directory with a like
+// name; InvalidArgument where more than one of frame (other than -1), step and time is given.
 ParticleTable read_particles(const std::filesystem::path& path, const ReadOptions& options = {});
+
+// The same from bytes in memory, as a file would have them (gzip too); `name` stands in messages.
+std::vector<FrameInfo> list_frames_of(std::string_view bytes, const std::string& name = "memory");
+ParticleTable read_particles_of(std::string_view bytes, const ReadOptions& options = {},
+                                const std::string& name = "memory");
+
+// Walks through the frames of a file in one pass, with the memory of one frame.
+class FrameReader {
+ public:
+  // Throws FileError for a file that is not there or of no known format.
+  explicit FrameReader(const std::filesystem::path& path, const ReadOptions& options = {});
+  ~FrameReader();
+  FrameReader(FrameReader&&) noexcept;
+  FrameReader& operator=(FrameReader&&) noexcept;
+
+  // The next frame as read_particles() gives it; nothing behind the last whole one. Throws
+  // FileError for what is wrong within a frame, and where not even the first one is whole.
+  std::optional<ParticleTable> next();
+  // Passes over a frame without reading its atoms; what it is, or nothing at the end.
+  std::optional<FrameInfo> skip();
+
+  // Number of the frame that the next call gives, counted from 0.
+  std::size_t position() const;
+  // After the last whole frame: where and why the file ends within a frame; else empty.
+  const std::string& cut() const;
+  // Part of the file's bytes that were read, from 0 to 1.
+  double progress() const;
+
+ private:
+  struct State;
+  static std::vector<FrameInfo> list(State& state);
+  friend std::vector<FrameInfo> list_frames(const std::filesystem::path&);
+  friend ParticleTable read_particles(const std::filesystem::path&, const ReadOptions&);
+  friend std::vector<FrameInfo> list_frames_of(std::string_view, const std::string&);
+  friend ParticleTable read_particles_of(std::string_view, const ReadOptions&, const std::string&);
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace recon

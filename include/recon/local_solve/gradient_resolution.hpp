@@ -33,7 +33,7 @@ namespace recon::detail {
 
 template <class T, int D>
 struct GradientResolution {
-  int rank = 0;            // directions in which the slope is resolved
+  int rank = 0;             // directions in which the slope is resolved
   T amplification2 = T(0);  // the largest a(e_d)^2 over the axes of what is left
   std::array<std::array<T, D>, D> projector{};  // onto those directions
 

@@ -35,6 +35,7 @@
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/local_solve/orthonormal_fit.hpp"
 #include "recon/local_solve/regular_gram_schmidt.hpp"
@@ -105,9 +106,7 @@ class GramSchmidt {
   using Jet = typename OrthonormalFit<T, D>::Jet;
 
   static T dot(const T* a, const T* b, int n) {
-    T sum = T(0);
-    for (int p = 0; p < n; ++p) sum += a[p] * b[p];
-    return sum;
+    return detail::sum_of<T>(n, [&](int p) { return a[p] * b[p]; });
   }
 
   // Degree by degree, each as a block of singular directions.
@@ -309,14 +308,12 @@ class GramSchmidt {
   template <class Sizes>
   T added_sum(const int* first, const int* last, const Sizes& size, int n) {
     using std::abs;
-    T sum = T(0);
-    for (int p = 0; p < n; ++p) {
+    return detail::sum_of<T>(n, [&](int p) {
       T part = T(0);
       for (const int* c = first; c != last; ++c)
         part += block_column(*c, n)[p] / size[*c] * (block_jets_[*c][0] / size[*c]);
-      sum += T(abs(part)) * kept().root_weights()[p];
-    }
-    return sum;
+      return T(T(abs(part)) * kept().root_weights()[p]);
+    });
   }
 
   // Appends a direction of the given size, cleaned once more against all that is kept. False where

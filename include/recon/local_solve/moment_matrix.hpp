@@ -22,6 +22,7 @@
 
 #include "recon/basis/monomials.hpp"
 #include "recon/core/lanes.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 
 namespace recon {
@@ -44,11 +45,13 @@ class MomentMatrix {
       return factor(moments_of(cloud), cloud.noise);
     } else {
       lower_ = {};
-      for (int p = 0; p < cloud.size; ++p) {
-        const Vector terms = evaluate(cloud, p);
-        for (int i = 0; i < m; ++i)
-          for (int j = 0; j <= i; ++j) lower_[i][j] += cloud.w[p] * terms[i] * terms[j];
-      }
+      detail::add_in_blocks<m * m>(cloud.size, lower_[0].data(), [&](int begin, int end, T* part) {
+        for (int p = begin; p < end; ++p) {
+          const Vector terms = evaluate(cloud, p);
+          for (int i = 0; i < m; ++i)
+            for (int j = 0; j <= i; ++j) part[i * m + j] += cloud.w[p] * terms[i] * terms[j];
+        }
+      });
       return factor(cloud.noise);
     }
   }
@@ -104,14 +107,18 @@ class MomentMatrix {
       for (int d = 0; d < D; ++d)
         for (int j = 0; j < m; ++j) first[d][j] = T(Scalar(B::origin(j, 1 + d))) / cloud.rho;
       if (out.kind == Derivative::exact)
-        for (int p = 0; p < n; ++p) {
-          const Vector terms = evaluate(cloud, p);
-          const T lambda = dot(terms, value_);
-          for (int d = 0; d < D; ++d) {
-            const T moved = cloud.dw[d][p] * lambda;
-            for (int j = 0; j < m; ++j) first[d][j] -= moved * terms[j];
-          }
-        }
+        detail::add_in_blocks<D * m>(n, first[0].data(),
+                                     [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+                                       for (int p = begin; p < end; ++p) {
+                                         const Vector terms = evaluate(cloud, p);
+                                         const T lambda = dot(terms, value_);
+                                         for (int d = 0; d < D; ++d) {
+                                           const T moved = cloud.dw[d][p] * lambda;
+                                           for (int j = 0; j < m; ++j)
+                                             part[d * m + j] -= moved * terms[j];
+                                         }
+                                       }
+                                     });
       for (int d = 0; d < D; ++d) first[d] = solve(first[d]);
     }
     if (out.wants_hessian()) {
@@ -165,11 +172,14 @@ class MomentMatrix {
 
   static Moments moments_of(const LocalCloud<T, D>& cloud) {
     Moments moments{};
-    for (int p = 0; p < cloud.size; ++p) {
-      Moments powers;
-      Monomials<D, 2 * B::degree>::evaluate(cloud.at(p), powers.data(), cloud.w[p]);
-      detail::unroll<moment_count>([&](auto a) RECON_INLINE_LAMBDA { moments[a] += powers[a]; });
-    }
+    detail::add_in_blocks<moment_count>(
+        cloud.size, moments.data(), [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+          for (int p = begin; p < end; ++p) {
+            Moments powers;
+            Monomials<D, 2 * B::degree>::evaluate(cloud.at(p), powers.data(), cloud.w[p]);
+            detail::unroll<moment_count>([&](auto a) RECON_INLINE_LAMBDA { part[a] += powers[a]; });
+          }
+        });
     return moments;
   }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/gradient_resolution.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 
@@ -47,9 +48,7 @@ class OrthonormalFit {
   T absolute_sum() {
     using std::abs;
     combine(lambda_.data(), [&](int j) { return jets_[j][0]; });
-    T sum = T(0);
-    for (int p = 0; p < n_; ++p) sum += T(abs(lambda_[p])) * root_[p];
-    return sum;
+    return detail::sum_of<T>(n_, [&](int p) { return T(T(abs(lambda_[p])) * root_[p]); });
   }
 
   // Completes the report by what the gradient is worth, and takes out of all derivatives to come
@@ -120,8 +119,11 @@ class OrthonormalFit {
       constexpr int C = decltype(size)::value;
       std::array<T, C> r{};
       const T* u = this->column(first);
-      for (int p = 0; p < n_; ++p)
-        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { r[j] += u[j * n_ + p] * column[p]; });
+      detail::add_in_blocks<C>(n_, r.data(), [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+        for (int p = begin; p < end; ++p)
+          detail::unroll<C>([&](auto j)
+                                RECON_INLINE_LAMBDA { part[j] += u[j * n_ + p] * column[p]; });
+      });
       for (int p = 0; p < n_; ++p) {
         T rest = column[p];
         detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { rest -= r[j] * u[j * n_ + p]; });
@@ -148,8 +150,11 @@ class OrthonormalFit {
           T slope = jets_[j][1 + d] / cloud.rho;
           if (out.kind == Derivative::exact) {
             const T* u = column(j);
-            for (int p = 0; p < n_; ++p)
-              slope -= u[p] * inverse_root_[p] * cloud.dw[d][p] * lambda_[p];
+            detail::add_in_blocks<1>(
+                n_, &slope, [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+                  for (int p = begin; p < end; ++p)
+                    part[0] -= u[p] * inverse_root_[p] * cloud.dw[d][p] * lambda_[p];
+                });
           }
           return slope;
         });

@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "recon/core/lanes.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/local_solve/orthonormal_fit.hpp"
 
@@ -35,8 +36,7 @@ class RegularGramSchmidt {
     using std::sqrt;
     const int n = cloud.size;
     fit_.start(cloud, B::size);
-    weight_sum_ = T(0);
-    for (int p = 0; p < n; ++p) weight_sum_ += cloud.w[p];
+    weight_sum_ = detail::sum_of<T>(n, [&](int p) RECON_INLINE_LAMBDA { return cloud.w[p]; });
     smallest_pivot_ = T(1);
     independent_ = Mask(false);
     Mask regular = weight_sum_ > T(0);
@@ -100,9 +100,7 @@ class RegularGramSchmidt {
 
  private:
   static T square(const T* a, int n) {
-    T sum = T(0);
-    for (int p = 0; p < n; ++p) sum += a[p] * a[p];
-    return sum;
+    return detail::sum_of<T>(n, [&](int p) RECON_INLINE_LAMBDA { return a[p] * a[p]; });
   }
 
   FitTolerances tolerances_;

@@ -97,6 +97,13 @@ Scalar mean_spacing(const PointCloud<Scalar>& particles, const PeriodicDomain<Sc
                   2 * std::sqrt(std::numeric_limits<Scalar>::min()));
 }
 
+// NeighbourList::support_factor of what the rule finds.
+template <class Scalar>
+Scalar support_factor(const NeighbourRule& rule) {
+  const auto* nearest = std::get_if<Nearest>(&rule);
+  return nearest ? static_cast<Scalar>(nearest->factor) : Scalar(0);
+}
+
 // Finds the neighbours of one target after another; has the buffers for that.
 template <NeighbourSearch S>
 class TargetNeighbours {
@@ -355,6 +362,7 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
     std::copy(block.shifts.begin(), block.shifts.end(),
               list.shifts.begin() + (domain.any() ? list.offsets[begin] : 0));
   });
+  list.support_factor = detail::support_factor<Scalar>(rule);
   return list;
 }
 

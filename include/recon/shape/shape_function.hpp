@@ -53,7 +53,9 @@ class ShapeEvaluator {
 
   explicit ShapeEvaluator(W weight, Solver solver = Solver::gram_schmidt,
                           WeightForm form = WeightForm::radial, FitTolerances tolerances = {})
-      : weights_{std::move(weight)}, form_(form), solve_(solver, tolerances) {}
+      : weights_{std::move(weight)}, form_(form), solve_(solver, tolerances) {
+    detail::validate_weight(weights_.weight);
+  }
 
   // Among the given neighbours; position(p) is the Point of particle p. Particles outside the
   // support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho, x or
@@ -64,12 +66,10 @@ class ShapeEvaluator {
                                 Position&& position, Derivative kind = default_gradient) {
     require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
             "must be diffuse for a basis that is not translation_invariant");
-    require(rho > T(0) && is_finite(rho), "rho", static_cast<double>(rho),
-            "must be positive and finite");
-    require(rho * rho >= std::numeric_limits<T>::min(), "rho", static_cast<double>(rho),
-            "must be so large that its square can be represented");
-    for (const T& c : x)
-      require(is_finite(c), "coordinate of x", static_cast<double>(c), "must be finite");
+    require(rho > T(0) && is_finite(rho), "rho", rho, "must be positive and finite");
+    require(rho * rho >= std::numeric_limits<T>::min(), "rho", rho,
+            "must not be so small that its square underflows");
+    for (const T& c : x) require(is_finite(c), "coordinate of x", c, "must be finite");
     const int count = static_cast<int>(neighbours.size());
     stencil_.start(x, rho, count);
     positions_.clear();
@@ -122,8 +122,6 @@ class ShapeEvaluator {
   }
 
  private:
-  static bool is_finite(const T& value) { return value - value == T(0); }
-
   // A weight that is called number by number, as one that is called array by array.
   struct Batch {
     W weight;
@@ -133,7 +131,10 @@ class ShapeEvaluator {
       } else {
         for (std::size_t i = 0; i < n; ++i) {
           w[i] = q[i] < T(1) ? T(weight(q[i])) : T(0);
-          if (slope) slope[i] = q[i] < T(1) ? T(weight.derivative(q[i])) : T(0);
+          detail::require_weight(q[i], w[i]);
+          if (!slope) continue;
+          slope[i] = q[i] < T(1) ? T(weight.derivative(q[i])) : T(0);
+          detail::require_slope(q[i], slope[i]);
         }
       }
     }
