@@ -102,8 +102,8 @@ TEST_F(FilesTest, NamesThatAreNotUtf8) {
 }
 
 TEST_F(FilesTest, FramesByStepAndTime) {
-  write("a.dump", "ITEM: TIME\n0.1\n" + frame(10, square, 1) + "ITEM: TIME\n0.2\n" +
-                      frame(20, square, 2));
+  write("a.dump",
+        "ITEM: TIME\n0.1\n" + frame(10, square, 1) + "ITEM: TIME\n0.2\n" + frame(20, square, 2));
   EXPECT_THAT(succeed("map a.dump --step 10 --fields vx --out b.csv"), HasSubstr("step 10"));
   EXPECT_NEAR(table("b.csv").column("vx")[0], 1, 1e-12);
   succeed("map a.dump --time 0.2 --fields vx --out b.csv");
@@ -159,9 +159,10 @@ TEST_F(FilesTest, Signals) {
   write("a.csv", "x,y,v\n" + rows());
   const std::vector<std::string> before = files();
   for (const char* name : {"INT", "TERM", "HUP"}) {
-    const int code = shell("(sleep 0.3; kill -" + std::string(name) + " $$) & ",
-                           "map a.csv --fields v --spacing .004 --radius 3 --threads 1 --out big.csv "
-                           "> .stdout 2> .stderr");
+    const int code =
+        shell("(sleep 0.3; kill -" + std::string(name) + " $$) & ",
+              "map a.csv --fields v --spacing .004 --radius 3 --threads 1 --out big.csv "
+              "> .stdout 2> .stderr");
     EXPECT_NE(code, 0) << name;
     std::vector<std::string> all;
     for (const auto& entry : std::filesystem::directory_iterator(folder()))
