@@ -120,7 +120,7 @@ void run_gnuplot(const fs::path& path, int width, int height, double scale,
       spawn_gnuplot(path, fileno(input.get()), picture.descriptor(), fileno(messages.get()));
   const bool succeeded = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (!succeeded) throw FileError(path, 0, "gnuplot failed; it said: " + contents(messages.get()));
-  if (!is_complete(picture.temporary(), svg))
+  if (!is_complete(picture.open_path(), svg))
     throw FileError(path, 0,
                     "gnuplot wrote an incomplete picture (is the disk full?); it said: " +
                         contents(messages.get()));
