@@ -14,10 +14,13 @@
 #include "number_text.hpp"
 #include "recon/io/atomic_file.hpp"
 #include "recon/io/write.hpp"
+#include "xml_text.hpp"
 
 namespace recon {
 
 namespace {
+
+using detail::escaped;
 
 template <class Number>
 void append_little_endian(std::string& bytes, Number number) {
@@ -25,31 +28,6 @@ void append_little_endian(std::string& bytes, Number number) {
   std::memcpy(raw, &number, sizeof number);
   if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof raw);
   bytes.append(raw, sizeof raw);
-}
-
-// Text as the value of an attribute.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&apos;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
 }
 
 const char* type_name(NumberType type) {
