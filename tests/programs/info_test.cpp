@@ -61,7 +61,7 @@ TEST_F(InfoTest, SuggestsFieldsThatAreFields) {
   EXPECT_THAT(out, testing::ContainsRegex("units +lj\n"));
   EXPECT_THAT(out, HasSubstr("1, step 7, time 0.035\n"));
   succeed("map a.dump --fields all --out a.csv");
-  EXPECT_EQ(first_line("a.csv"), "x,y,z,temperature,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("a.csv"), "x,y,z,temperature,neighbours,rank,degree,status,limited");
 }
 
 TEST_F(InfoTest, CountsCoincidentParticles) {

@@ -107,7 +107,8 @@ std::vector<std::string> for_each_frame(
               (before + 1) / parts);
       continue;
     }
-    FrameReader reader = with_exit_code(wrong_input, [&] { return FrameReader(files[f]); });
+    FrameReader reader =
+        with_exit_code(wrong_input, [&] { return FrameReader(files[f], read_options(options)); });
     while (reader.position() <= chosen[f].last) {
       const std::size_t at = reader.position();
       if (at < chosen[f].first || (at - chosen[f].first) % chosen[f].step != 0) {

@@ -115,6 +115,11 @@ std::string same_input(const InputOptions& options) {
     if (!value.empty()) text += " " + name + " " + shell_word(value);
   };
   if (options.frame != InputOptions().frame) add("--frame", std::to_string(options.frame));
+  if (options.step) add("--step", std::to_string(*options.step));
+  if (options.time) add("--time", number(*options.time, 17));
+  add("--columns", options.columns);
+  if (options.skip_rows > 0) add("--skip-rows", std::to_string(options.skip_rows));
+  for (const std::string& missing : options.missing) text += " --missing=" + shell_word(missing);
   if (options.periodic != InputOptions().periodic) add("--periodic", options.periodic);
   if (options.dimension != 0) add("--dimension", std::to_string(options.dimension));
   add("--coordinates", options.coordinates);
@@ -123,11 +128,11 @@ std::string same_input(const InputOptions& options) {
 }
 
 void print_suggestion(const Particles& particles, const InputOptions& options) {
-  if (!(particles.mean_spacing > 0)) {
+  if (!(particles.spacing > 0)) {
     print_line("suggested", "nothing: all particles are at one place");
     return;
   }
-  const double spacing = suggested_spacing(particles), radius = suggested_radius(particles, 1);
+  const double spacing = suggested_spacing(particles);
   const auto grid = covering_grid(particles.region, spacing, particles.grid_domain);
   std::string nodes;
   for (int d = 0; d < particles.dimension; ++d)
@@ -137,20 +142,17 @@ void print_suggestion(const Particles& particles, const InputOptions& options) {
   for (const char* name : {"vx", "vy", "vz"})
     if (particles.table.has(name)) names += (names.empty() ? "" : ",") + std::string(name);
   if (names.empty()) names = fields.empty() ? "number_density" : field_word(fields.front());
-  print_line("mean spacing", number(particles.mean_spacing, 3));
-  print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes), support radius " +
-                              number(radius) + ":");
-  std::printf(
-      "  recon map %s%s --fields %s --spacing %s --radius %s --out fields.vti --picture "
-      "fields.png\n",
-      shell_word(options.file).c_str(), same_input(options).c_str(), shell_word(names).c_str(),
-      number(spacing).c_str(), number(radius).c_str());
+  print_line("mean spacing", number(particles.spacing, 3));
+  print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes):");
+  std::printf("  recon map %s%s --fields %s --spacing %s --out fields.vti --picture fields.png\n",
+              shell_word(options.file).c_str(), same_input(options).c_str(),
+              shell_word(names).c_str(), number(spacing).c_str());
 }
 
 void run(const InputOptions& options) {
   if (options.file.empty()) fail_usage("info: the FILE is missing; see recon info --help");
   const std::vector<FrameInfo> frames =
-      with_exit_code(wrong_input, [&] { return list_frames(options.file); });
+      with_exit_code(wrong_input, [&] { return list_frames(options.file, read_options(options)); });
   const Particles particles = read_input(options);
   std::printf("%s\n", particles.describe().c_str());
   print_frames(frames);

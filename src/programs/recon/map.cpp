@@ -86,8 +86,9 @@ void add_output_options(CLI::App& app, MapOptions& options) {
   app.add_option("--out", options.outputs,
                  "file to write, may be given again: .vti (grid) or .vtp\n"
                  "(points) for ParaView, .csv for both. With the fields go\n"
-                 "neighbours, rank, degree that is reproduced, and status\n"
-                 "(full, reduced, nearest, no_support; in VTK 0, 1, 2, 3)")
+                 "neighbours, rank, degree that is reproduced, status (full,\n"
+                 "reduced, nearest, no_support, too_far; in VTK 0 to 4), and\n"
+                 "limited: how many components of its values were limited")
       ->type_name("FILE")
       ->allow_extra_args(false)
       ->group(group);

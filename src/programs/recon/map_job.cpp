@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <variant>
 
 #include "csv_table.hpp"
 #include "embedding.hpp"
@@ -126,6 +127,7 @@ void check_options(const MapOptions& options) {
 MapJob prepare(const MapOptions& options, const Method& method, Particles particles) {
   MapJob job;
   job.particles = std::move(particles);
+  check_weight_by(options.fit, job.particles);
   job.plan = plan_fields(job.particles, options.fields, options.components);
   check_shown(options, job.plan, job.particles.letters);
   job.fit = fit_options(options.fit, method, job.particles);
@@ -170,17 +172,27 @@ std::vector<std::string> files_of(const MapOptions& options) {
   return files;
 }
 
+namespace {
+
+// The radius of kernel sums, where it is the same at all targets.
+std::optional<double> sum_radius(const FitOptions& fit) {
+  const auto* rule = std::get_if<Radius>(&fit.neighbours);
+  return rule == nullptr ? fit.sum_radius : rule->radius;
+}
+
+}  // namespace
+
 void print_summary(const MapOptions& options, const Method& method, const MapJob& job,
                    const Mapped& mapped) {
   std::printf("%s\n", job.particles.describe().c_str());
   print_remarks(job.particles.table);
   print_line("method", describe_method(method, options.fit));
-  print_line("support", describe_support(options.fit, method, job.particles));
+  print_line("support", describe_support(options.fit, method, job.particles, has_sums(job.plan)));
   print_line("targets", job.targets.description);
-  print_fit(mapped.reports.summary(), options.fit);
+  print_fit(mapped, options.fit);
   print_fields(mapped.fields);
   if (job.targets.is_grid)
-    print_sums(job.plan, job.particles, job.targets.grid, mapped.fields, job.fit.neighbours);
+    print_sums(job.plan, job.particles, job.targets.grid, mapped.fields, sum_radius(job.fit));
 }
 
 void print_written(const std::vector<std::string>& files, const std::string& beyond) {

@@ -35,7 +35,7 @@ struct Targets {
 struct MapJob {
   Particles particles;
   FieldPlan plan;
-  Options fit;  // refers to the particles
+  FitOptions fit;  // refers to the particles
   Targets targets;
   Cut cut;
 };

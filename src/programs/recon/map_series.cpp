@@ -10,7 +10,7 @@
 #include "outputs.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
-#include "recon/io/series.hpp"
+#include "recon/io/write.hpp"
 #include "summary.hpp"
 
 namespace recon::program {
@@ -120,9 +120,9 @@ struct Written {
     const std::vector<double> numbers = list_times(times, steps);
     for (const std::string& output : options.outputs) {
       if (!is_listed(output)) continue;
-      std::vector<SeriesEntry> entries;
+      std::vector<TimedFile> entries;
       for (std::size_t i = 0; i < numbers.size(); ++i)
-        entries.push_back({numbers[i], fs::path(numbered(output, i)).filename().string()});
+        entries.push_back({numbers[i], fs::path(numbered(output, i)).filename()});
       with_exit_code(no_output, [&] { write_pvd(list_of(output), entries); });
     }
   }
@@ -247,6 +247,7 @@ void map_average(const MapOptions& options, const Method& method) {
   double fill = std::numeric_limits<double>::quiet_NaN();
   const auto add_frame = [&](ParticleTable table, const FramePlace& place) {
     Particles particles = like.particles(std::move(table));
+    check_weight_by(options.fit, particles);
     const FieldPlan plan = plan_fields(particles, options.fields, options.components);
     auto fit = fit_options(options.fit, method, particles);
     if (!first) {
@@ -254,6 +255,7 @@ void map_average(const MapOptions& options, const Method& method) {
       fill = fit.fill_value;
     } else {
       fit.neighbours = first->fit.neighbours;
+      fit.sum_radius = first->fit.sum_radius;
       differences.look_at(particles, *first);
     }
     fit.fill_value = std::numeric_limits<double>::quiet_NaN();
@@ -273,7 +275,8 @@ void map_average(const MapOptions& options, const Method& method) {
   print_line("frames", count(average.frames()) + ", the first of which is this");
   differences.print();
   print_line("method", describe_method(method, options.fit));
-  print_line("support", describe_support(options.fit, method, first->particles));
+  print_line("support",
+             describe_support(options.fit, method, first->particles, has_sums(first->plan)));
   print_line("targets", first->targets.description);
   if (average.sometimes_missing() + average.always_missing() > 0)
     print_line("no value", counted(average.sometimes_missing(), "target") + " in some frames, " +

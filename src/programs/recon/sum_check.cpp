@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "programs/common/text.hpp"
 #include "summary.hpp"
@@ -26,7 +25,7 @@ bool covers_all(const StructuredGrid<double>& grid, const Particles& particles) 
 
 void print_sums(const FieldPlan& plan, const Particles& particles,
                 const StructuredGrid<double>& grid, const FieldSet& fields,
-                const NeighbourRule& neighbours) {
+                std::optional<double> radius) {
   double cell = 1, widest = 0;
   for (int d = 0; d < grid.dimension; ++d) {
     cell *= grid.spacing[d];
@@ -43,9 +42,8 @@ void print_sums(const FieldPlan& plan, const Particles& particles,
                               number(of_particles) + " of the particles");
       heading = "";
     }
-    const auto* rule = std::get_if<Radius>(&neighbours);
-    if (rule == nullptr || rule->radius >= widest) continue;
-    print_line("warning", planned.name + ": the support radius " + number(rule->radius) +
+    if (!radius || *radius >= widest) continue;
+    print_line("warning", planned.name + ": the support radius " + number(*radius) +
                               " is smaller than the spacing " + number(widest) +
                               " of the grid; nodes");
     print_line("", "miss or overrate what lies between them: take a radius of twice the spacing");

@@ -1,11 +1,12 @@
 // Do sums over kernels add up? What a grid holds of a kernel sum, against what the particles have.
 #pragma once
 
+#include <optional>
+
 #include "field_plan.hpp"
 #include "particles.hpp"
 #include "recon/fields/field_set.hpp"
 #include "recon/points/structured_grid.hpp"
-#include "recon/shape/options.hpp"
 
 namespace recon::program {
 
@@ -15,6 +16,6 @@ namespace recon::program {
 // periodic the kernels reach out of it, and what they have there is not counted.)
 void print_sums(const FieldPlan& plan, const Particles& particles,
                 const StructuredGrid<double>& grid, const FieldSet& fields,
-                const NeighbourRule& neighbours);
+                std::optional<double> radius);
 
 }  // namespace recon::program

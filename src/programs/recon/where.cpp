@@ -181,9 +181,10 @@ double negation(double value) {
 }
 
 std::vector<bool> evaluate(mu::Parser& parser, const Translation& translation,
-                           const std::string& condition, const ParticleTable& table) {
+                           const std::string& condition, ParticleTable& table) {
   std::vector<const std::vector<double>*> columns;
   with_exit_code(wrong_input, [&] {
+    table.leave_out_missing(translation.columns());
     for (const std::string& name : translation.columns()) columns.push_back(&table.column(name));
   });
   std::vector<double> row(columns.size());
@@ -204,7 +205,7 @@ std::vector<bool> evaluate(mu::Parser& parser, const Translation& translation,
 
 }  // namespace
 
-std::vector<bool> rows_where(const std::string& condition, const ParticleTable& table) {
+std::vector<bool> rows_where(const std::string& condition, ParticleTable& table) {
   constexpr int above_and_below_comparisons = 3;
   static_assert(above_and_below_comparisons > mu::prLAND &&
                 above_and_below_comparisons < mu::prCMP);

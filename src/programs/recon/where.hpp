@@ -21,7 +21,8 @@
 
 namespace recon::program {
 
-// One answer per row.
-std::vector<bool> rows_where(const std::string& condition, const ParticleTable& table);
+// One answer per row. Rows without a value in a column of the condition are left out of the table
+// before (ParticleTable::leave_out_missing).
+std::vector<bool> rows_where(const std::string& condition, ParticleTable& table);
 
 }  // namespace recon::program

@@ -1,12 +1,12 @@
-// Text in XML files.
+// Text as the value of an attribute in XML.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace recon::detail {
 
-// Text as the value of an attribute.
-inline std::string escaped(const std::string& text) {
+inline std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) switch (c) {
       case '&':
