@@ -90,6 +90,11 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
       ->check(one_of(weight_names()))
       ->capture_default_str()
       ->group(group);
+  app.add_option("--weight-by", choice.weight_by,
+                 "a column, as mass, that multiplies the weight of each particle\n"
+                 "in the fit (sums over kernels stay as they are)")
+      ->type_name("COLUMN")
+      ->group(group);
   app.add_option("--form", choice.form,
                  "radial: the weight of the distance, the support a ball;\n"
                  "tensor: a factor for each axis, the support a cube")
@@ -154,6 +159,23 @@ Method read_method(const std::string& text, const FitChoice& choice) {
   return method;
 }
 
+void check_weight_by(const FitChoice& choice, Particles& particles) {
+  if (choice.weight_by.empty()) return;
+  const ParticleTable& table = particles.table;
+  if (!table.has(choice.weight_by))
+    fail_usage("--weight-by: unknown column '" + choice.weight_by + "'; " +
+               suggest(choice.weight_by, table.names()));
+  leave_out_missing(particles, {choice.weight_by});
+  with_exit_code(wrong_input, [&] {
+    const std::vector<double>& weights = table.column(choice.weight_by);
+    for (std::size_t row = 0; row < weights.size(); ++row)
+      if (!(weights[row] > 0))
+        fail_input("--weight-by " + choice.weight_by + ": " + number(weights[row]) + " at " +
+                   table.describe_row(row) + " of " + table.source +
+                   ": weights must be positive; --where leaves particles out");
+  });
+}
+
 FitOptions fit_options(const FitChoice& choice, const Method& method, const Particles& particles) {
   FitOptions options;
   options.degree = method.degree;
@@ -181,6 +203,8 @@ FitOptions fit_options(const FitChoice& choice, const Method& method, const Part
     options.neighbours = Nearest{suggested_neighbours(particles, method.degree)};
   if (!choice.k && !choice.radius && particles.spacing > 0)
     options.sum_radius = suggested_radius(particles, method.degree);
+  if (!choice.weight_by.empty())
+    options.particle_weights = particles.table.column(choice.weight_by);
   if (choice.unsupported == "nearest")
     options.unsupported = Unsupported::nearest;
   else if (const auto value = to_number(choice.unsupported))

@@ -33,7 +33,7 @@ void print_line(std::string_view name, std::string_view text) {
 
 std::string describe_method(const Method& method, const FitChoice& choice) {
   return method.name + ", degree " + std::to_string(method.degree) + ", weight " + choice.weight +
-         " (" + choice.form + ")";
+         " (" + choice.form + ")" + (choice.weight_by.empty() ? "" : ", times " + choice.weight_by);
 }
 
 void print_fit(const Mapped& mapped, const FitChoice& choice) {
