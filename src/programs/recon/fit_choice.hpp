@@ -17,6 +17,7 @@ struct FitChoice {
   std::optional<double> radius;
   std::optional<std::size_t> k;
   std::string limit = "relaxed", max_distance = "2";
+  double leverage = 3;
   int grow = 0, threads = 0;
 };
 
