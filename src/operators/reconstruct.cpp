@@ -84,6 +84,7 @@ NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
                                 const NeighbourList<Scalar>& other, const std::vector<bool>& take) {
   NeighbourList<Scalar> merged;
   merged.support = list.support;
+  merged.support_factor = list.support_factor;
   std::size_t next = 0;
   for (std::size_t t = 0; t < list.targets(); ++t) {
     const NeighbourList<Scalar>* from = &list;
@@ -122,8 +123,9 @@ struct BasicReconstruction<Scalar>::Problem {
   std::vector<std::uint32_t> target_of, particle_of;  // as in SparsityPattern
   NeighbourList<Scalar> neighbours;                   // until make_pattern() takes them
   std::shared_ptr<const ShapeKernel<Scalar>> kernel;
-  Scalar support_factor = 0, fill = 0;
+  Scalar fill = 0;
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
+  std::vector<Scalar> particle_weights;  // divided by the largest; empty: all ones
   Solver solver = Solver::gram_schmidt;
   int threads = 0;
   std::vector<std::uint32_t> nearest_rows;  // targets that have the value of the nearest particle
@@ -143,6 +145,7 @@ struct BasicReconstruction<Scalar>::Problem {
       sort(particles, particle_of);
       sort(targets, target_of);
     }
+    take_weights(options.particle_weights);
     kernel = make_shape_kernel<Scalar>(
         points.dimension(), {options.degree, options.weight, options.form, options.solver,
                              options.tolerances, resolved(options.instruction_set)});
@@ -156,6 +159,23 @@ struct BasicReconstruction<Scalar>::Problem {
     if (cloud.size() < fewest_sorted || is_spatially_ordered(cloud)) return;
     order = spatial_order(cloud, threads);
     cloud = cloud.permuted(order, threads);
+  }
+
+  void take_weights(std::span<const double> weights) {
+    require(weights.empty() || weights.size() == particles.size(), "number of particle_weights",
+            weights.size(), "must be the number of particles, or 0");
+    if (weights.empty()) return;
+    const double largest = *std::max_element(weights.begin(), weights.end());
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      particle_weights.push_back(
+          static_cast<Scalar>(weights[particle_of.empty() ? i : particle_of[i]] / largest));
+  }
+
+  // What the kernel reads to fit the targets `at` from the neighbours in `list`.
+  ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
+                                     const NeighbourList<Scalar>& list) const {
+    return {particles, at,         list,
+            domain,    axis_scale, particle_weights.empty() ? nullptr : particle_weights.data()};
   }
 
   std::size_t caller_target(std::size_t t) const { return target_of.empty() ? t : target_of[t]; }
@@ -187,7 +207,7 @@ struct BasicReconstruction<Scalar>::Problem {
            std::vector<FitReport>& reports) const {
     values.resize(list.indices.size());
     reports.resize(list.targets());
-    const ShapeProblem<Scalar> problem{particles, at, list, domain, support_factor, axis_scale};
+    const ShapeProblem<Scalar> problem = shape_problem(at, list);
     parallel_blocks(list.targets(), targets_per_block, threads,
                     [&](std::size_t begin, std::size_t end) {
                       ShapeRows<Scalar> rows;
@@ -457,8 +477,6 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
   auto problem = std::make_shared<Problem>(points, at, options, true);
   std::vector<double> radii;
   const NeighbourRule rule = problem->ordered(asked, radii);
-  if (const auto* nearest = std::get_if<Nearest>(&rule))
-    problem->support_factor = static_cast<Scalar>(nearest->factor);
   problem->neighbours = find_neighbours(problem->particles, problem->targets, rule, problem->domain,
                                         problem->search_options(options));
   fit(std::move(problem), options, &rule);
@@ -512,8 +530,7 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivat
   const Problem& p = *problem_;
   const int blocks = second ? dimension() * (dimension() + 1) / 2 : dimension();
   Array<Scalar> values(p.pattern->neighbours.indices.size() * static_cast<std::size_t>(blocks));
-  const ShapeProblem<Scalar> problem{p.particles, p.targets,        p.pattern->neighbours,
-                                     p.domain,    p.support_factor, p.axis_scale};
+  const ShapeProblem<Scalar> problem = p.shape_problem(p.targets, p.pattern->neighbours);
   parallel_blocks(p.targets.size(), targets_per_block, p.threads,
                   [&](std::size_t begin, std::size_t end) {
                     ShapeRows<Scalar> rows;
@@ -562,6 +579,7 @@ NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
   const NeighbourList<Scalar>& list = pattern.neighbours;
   if (pattern.target_of.empty() && pattern.particle_of.empty()) return list;
   NeighbourList<Scalar> out;
+  out.support_factor = list.support_factor;
   out.indices.reserve(list.indices.size());
   out.shifts.reserve(list.shifts.size());
   for (std::size_t t = 0; t < list.targets(); ++t) {

@@ -23,7 +23,9 @@
 //
 // Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument for
 // sizes and dimensions that differ, bad options, coordinates and data that are not finite (naming
-// the particle and the component) and negative m_p.
+// the particle and the component), negative m_p, and results that are too large for the precision
+// (naming the node). The unit of m_p does not matter. Sums of any number of particles are good to a
+// few roundings.
 //
 // Cost: linear in the number of particles. Memory beyond the result: 4 bytes for each particle,
 // half a byte for each node, and per thread about a megabyte of moments. The same bits for any

@@ -7,8 +7,13 @@
 // pass. The transpose takes target data back to particles, for example nodal forces:
 //     out(p, c) = sum over the entries e with index p of  sum_b value(e, b) * in(row(e), c * blocks
 //     + b) .
-// <apply(u), f> = <u, apply_transpose(f)> to rounding. Sums run in a fixed order: the same bits for
-// any number of threads.
+// <apply(u), f> = <u, apply_transpose(f)> to rounding, whatever the number of entries of a row or
+// column (core/sums.hpp). Sums run in a fixed order: the same bits for any number of threads.
+//
+// Data near the largest number of the precision are no trouble by themselves: a sum that overflows
+// on its way is formed again with scaled factors. A result that is too large itself throws
+// InvalidArgument, naming target (or particle) and component. Results are never NaN or infinite,
+// but for `fill`.
 //
 // Rows without support hold no entries; apply() writes `fill` there, the transpose ignores them.
 // An operator is linear and never limited; limiting is a way to apply a reconstruction (limit.hpp).

@@ -20,7 +20,7 @@ void append_number(double value, std::string& text) {
 
 // Names that would not read back as they are stand in quotes.
 std::string quoted(const std::string& name) {
-  const bool plain = name.find_first_of(",;\t\"# ") == std::string::npos &&
+  const bool plain = name.find_first_of(",;\t\"#% ") == std::string::npos &&
                      std::string_view("+-.0123456789").find(name[0]) == std::string_view::npos;
   if (plain) return name;
   std::string text = "\"";

@@ -112,7 +112,7 @@ void print_suggestion(const Particles& particles, const std::string& file) {
 void run(const InputOptions& options) {
   if (options.file.empty()) fail_usage("info: the FILE is missing; see recon info --help");
   const std::vector<FrameInfo> frames =
-      with_exit_code(wrong_input, [&] { return list_frames(options.file); });
+      with_exit_code(wrong_input, [&] { return list_frames(options.file, read_options(options)); });
   const Particles particles = read_input(options);
   std::printf("%s\n", particles.describe().c_str());
   print_frames(frames);

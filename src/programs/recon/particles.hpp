@@ -1,11 +1,14 @@
 // The particles of a run: read from the file, with the coordinates, box and periods the user chose.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "recon/fields/particle_table.hpp"
+#include "recon/io/read.hpp"
 #include "recon/points/structured_grid.hpp"
 
 namespace CLI {
@@ -17,13 +20,19 @@ namespace recon::program {
 struct InputOptions {
   std::string file;
   int frame = -1;
-  int dimension = 0;  // 0: as detected
+  std::optional<std::int64_t> step;  // or by its step or time
+  std::optional<double> time;
+  std::string columns;  // names of all columns, if not from the file
+  std::size_t skip_rows = 0;
+  std::vector<std::string> missing;  // what stands for "no value"
+  int dimension = 0;                 // 0: as detected
   std::string coordinates;
   std::string periodic = "from-file";
   std::string bounds;
 };
 
 struct Particles {
+  InputOptions options;
   ParticleTable table;
   int dimension = 0;
   std::vector<std::string> axes;  // names of the coordinate columns
@@ -46,8 +55,14 @@ struct Particles {
 
 void add_input_options(CLI::App& app, InputOptions& options);
 
+// What the options mean for the reader of the file.
+ReadOptions read_options(const InputOptions& options);
+
 // Ends with wrong_input for what is wrong with the file, wrong_usage for what is with the options.
 Particles read_input(const InputOptions& options);
+
+// Leaves out the particles without a value in one of these columns, which are to be used.
+void leave_out_missing(Particles& particles, const std::vector<std::string>& columns);
 
 // A spacing of targets near that of the particles, of one or two digits; not less than half of
 // what the box would have, so that a grid does not grow beyond reason.
