@@ -10,10 +10,6 @@ namespace recon::program {
 
 namespace {
 
-// Directions in which a fit would multiply errors by more than this are dropped. The library's own
-// limit, 30, is for exact data; docs/mls_vs_imls.md has what was measured.
-constexpr double leverage = 3;
-
 const std::vector<std::string> method_names{"shepard", "mls", "imls", "qr", "svd"};
 
 Solver solver_of(const std::string& name) {
@@ -39,9 +35,16 @@ std::string distance_check(const std::string& text) {
   return "'" + text + "' is not none or a positive number";
 }
 
-// Three particles per term of the basis. Beside walls fits with two amplify errors more.
+std::string leverage_check(const std::string& text) {
+  if (const auto value = to_number(text); value && *value > 1) return "";
+  return "'" + text + "' is not a number above 1";
+}
+
+// Three particles per term of the basis, and for a mean as many as for a linear fit, so that it
+// smooths no less. Beside walls fits with two amplify errors more.
 std::size_t suggested_neighbours(const Particles& particles, int degree) {
-  return std::min<std::size_t>(3 * monomial_count(particles.dimension, degree), particles.size());
+  return std::min<std::size_t>(3 * monomial_count(particles.dimension, std::max(degree, 1)),
+                               particles.size());
 }
 
 }  // namespace
@@ -71,7 +74,8 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
   app.add_option("--k", choice.k,
                  "use the N nearest particles, each target with a support of\n"
                  "its own (default: 3 per term of the degree, in 3-D 12 for\n"
-                 "degree 1); with --radius too: the N nearest of those within R")
+                 "degree 0 and 1); with --radius too: the N nearest of those\n"
+                 "within R")
       ->type_name("N")
       ->check(whole_number(1))
       ->group(group);
@@ -100,6 +104,13 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
                  "tensor: a factor for each axis, the support a cube")
       ->type_name("FORM")
       ->check(one_of({"radial", "tensor"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--leverage", choice.leverage,
+                 "drop directions in which a fit would amplify errors in the\n"
+                 "data more than L times: the degree falls there")
+      ->type_name("L")
+      ->check(leverage_check)
       ->capture_default_str()
       ->group(group);
   app.add_option("--limit", choice.limit,
@@ -185,7 +196,7 @@ FitOptions fit_options(const FitChoice& choice, const Method& method, const Part
   options.domain = particles.domain;
   options.grow.steps = choice.grow;
   options.threads = choice.threads;
-  options.tolerances.leverage = leverage;
+  options.tolerances.leverage = choice.leverage;
   options.limit = choice.limit == "range"     ? Limit::range
                   : choice.limit == "relaxed" ? Limit::relaxed
                                               : Limit::none;

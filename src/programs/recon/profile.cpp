@@ -306,7 +306,9 @@ Command add_profile(CLI::App& app) {
       ->type_name("NAMES")
       ->capture_default_str()
       ->group("Reconstruction");
-  options->fit.limit = "none";  // read at walls, where no value lies between its data
+  // A profile is read at walls, where no value lies between its data.
+  options->fit.limit = "none";
+  options->fit.leverage = 5;
   add_fit_options(*sub, options->fit);
   const std::string group = "Output";
   sub->add_option("--out", options->out,

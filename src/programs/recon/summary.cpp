@@ -67,8 +67,8 @@ void print_fit(const Mapped& mapped, const FitChoice& choice) {
     print_line("limited", "nothing (--limit none)");
   else if (mapped.values > 0)
     print_line("limited", share_of(mapped.limited.values, mapped.values) + " of the values, at " +
-                              counted(mapped.limited.targets, "target") + ", to their particles' " +
-                              (choice.limit == "range" ? "range" : "range and its width beyond"));
+                              counted(mapped.limited.targets, "target") + " (--limit " +
+                              choice.limit + ")");
 }
 
 void print_fields(const FieldSet& fields) {
