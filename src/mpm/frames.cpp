@@ -79,6 +79,7 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
   constexpr int stresses = D * (D + 1) / 2;
   const Particles<D>& particles = simulation.particles();
   const Grid<D>& grid = simulation.problem().grid;
+  require(simulation.mapped(), "frame", "of nodes of another time", "needs a map() before");
   const Nodes<D>& nodes = simulation.nodes();
   const Cells<D>& cells = simulation.cells();
   const std::size_t number = times.size(), count = particles.size();

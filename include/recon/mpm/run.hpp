@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "recon/mpm/checkpoint.hpp"
+#include "recon/mpm/forecast.hpp"
 #include "recon/mpm/read_problem.hpp"
 
 namespace recon::mpm {
@@ -20,11 +21,14 @@ struct RunOptions {
   std::string name = "run";         // of the frames
   std::filesystem::path restart{};  // a checkpoint to go on from; empty: from the start
   bool overwrite = false;           // of another run's files
+  // Told before the first step, after which nothing stands in its way.
+  std::function<void(const Forecast& forecast)> begins{};
   // Told after every step.
   std::function<void(double time, std::int64_t steps, const Step& step)> progress{};
 };
 
 struct RunResult {
+  Forecast forecast;  // what was expected before
   std::int64_t steps = 0;
   double time = 0;
   Ledger first, last;
@@ -37,7 +41,8 @@ struct RunResult {
 };
 
 // Goes on until the problem's end. Throws FileError for a folder that holds another run's
-// ledger, unless it is to be overwritten or gone on with; Failure where the run cannot go on.
+// ledger, unless it is to be overwritten or gone on with; InvalidArgument for a problem without an
+// end, or one that takes more than there is (forecast.hpp); Failure where the run cannot go on.
 template <int D>
 RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
 

@@ -111,9 +111,22 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
     if (now > shown) progress.advance(now - shown);
     shown = std::max(shown, now);
   };
+  run_options.begins = [](const mpm::Forecast& forecast) {
+    print_line("expected", counted(forecast.particles, "particle") + ", " +
+                               counted(forecast.nodes, "node") + ", about " +
+                               number(forecast.steps) + " steps of " + number(forecast.step.dt) +
+                               ", " + number(forecast.memory / 1e6, 3) + " MB");
+    std::fflush(stdout);
+    for (const std::string& warning : forecast.warnings)
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  };
   mpm::RunResult result;
   try {
     result = mpm::run(file, run_options);
+  } catch (const InvalidArgument& refusal) {
+    throw ProgramError(wrong_input, "the run cannot begin: " + std::string(refusal.what()) +
+                                        "; [limits] memory and steps in the problem file say what "
+                                        "it may take");
   } catch (const mpm::Failure& failure) {
     throw ProgramError(internal_error,
                        "the run stopped: " + std::string(failure.what()) + "\n" +
