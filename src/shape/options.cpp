@@ -10,6 +10,7 @@ void Options::validate() const {
   require(degree >= 0 && degree <= 4, "degree", degree, "must be 0 to 4");
   for (const double factor : stretch)
     require(std::isfinite(factor) && factor > 0, "stretch", factor, "must be positive and finite");
+  require(max_distance > 0, "max_distance", max_distance, "must be positive (infinity: no limit)");
   require(grow.steps >= 0, "grow.steps", grow.steps, "must not be negative");
   require(std::isfinite(grow.factor) && grow.factor > 1, "grow.factor", grow.factor,
           "must exceed 1");

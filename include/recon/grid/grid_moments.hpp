@@ -17,8 +17,8 @@
 // both agree to rounding.
 //
 // Memory: per_node() numbers a node, 23 for a velocity in 3-D at degree 1. Throws InvalidArgument
-// as reconstruct_on_grid() does, and where moments of different grids, options or components are
-// added.
+// as reconstruct_on_grid() does, for a limit (the range of the data is not among the moments), and
+// where moments of different grids, options or components are added.
 #pragma once
 
 #include <memory>

@@ -16,10 +16,11 @@ enum class Solver : std::uint8_t {
 };
 
 enum class FitStatus : std::uint8_t {
-  full,       // all terms up to the asked degree
-  reduced,    // some terms dropped: `degree` says what is still reproduced
-  nearest,    // no particle in the support: the value of the nearest one (if the caller chose so)
-  no_support  // no particle in the support: no value
+  full,        // all terms up to the asked degree
+  reduced,     // some terms dropped: `degree` says what is still reproduced
+  nearest,     // no particle in the support: the value of the nearest one (if the caller chose so)
+  no_support,  // no particle in the support: no value
+  too_far      // farther from every particle than Options::max_distance allows: no value
 };
 
 constexpr std::string_view name_of(Solver solver) {
@@ -27,7 +28,8 @@ constexpr std::string_view name_of(Solver solver) {
   return names[static_cast<std::size_t>(solver)];
 }
 constexpr std::string_view name_of(FitStatus status) {
-  constexpr std::array<std::string_view, 4> names{"full", "reduced", "nearest", "no_support"};
+  constexpr std::array<std::string_view, 5> names{"full", "reduced", "nearest", "no_support",
+                                                  "too_far"};
   return names[static_cast<std::size_t>(status)];
 }
 

@@ -24,6 +24,7 @@
 
 #include "recon/operators/csr_operator.hpp"
 #include "recon/operators/fit_summary.hpp"
+#include "recon/operators/limit.hpp"
 #include "recon/points/make_view.hpp"
 #include "recon/shape/options.hpp"
 #include "recon/shape/shape_kernel.hpp"
@@ -46,11 +47,12 @@ class BasicReconstruction {
   BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets,
                       NeighbourList<Scalar> neighbours, const Options& options);
 
-  // sum_p phi_p(x_t) u_p for every target t and component; see CsrOperator.
-  Matrix apply(const FieldView<Scalar>& field) const { return values_.apply(field); }
-  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
-    values_.apply(field, out);
-  }
+  // sum_p phi_p(x_t) u_p for every target t and component; see CsrOperator. With {.limit =
+  // Limit::range} each value is kept in the range of the data it is made of, with Limit::relaxed
+  // near it, as limit.hpp says; no other function here limits anything.
+  Matrix apply(const FieldView<Scalar>& field, const Apply& how = {}) const;
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
+             const Apply& how = {}) const;
   // sum_t phi_p(x_t) f_t for every particle p.
   Matrix apply_transpose(const FieldView<Scalar>& field) const {
     return values_.apply_transpose(field);
