@@ -48,6 +48,11 @@ void fit_from_particles(const ParticleData<Scalar>& particles, const ParticleBin
                         const GridPlan<Scalar>& plan, const std::vector<std::size_t>& nodes,
                         NodeFits<Scalar>& fits);
 
+// Brings values of nodes back into the range of the data in their supports (operators/limit.hpp).
+template <class Scalar>
+LimitCount limit_nodes(const ParticleData<Scalar>& particles, const ParticleBins& bins,
+                       const GridPlan<Scalar>& plan, NodeFits<Scalar>& fits);
+
 // Fits nodes from moments ([node][quantity]), with the highest degree at which that is safe.
 template <class Scalar>
 void fit_reduced(const Scalar* moments, const GridPlan<Scalar>& plan,

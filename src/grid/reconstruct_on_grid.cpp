@@ -33,8 +33,10 @@ BasicGridReconstruction<Scalar> reconstruct(ParticleData<Scalar> particles,
                const FinishedRow<Scalar>& row) { (*solver)(row); };
   });
   fit_from_particles(particles, bins, plan, fits.unsafe(), fits);
+  LimitCount limited;
+  if (options.limit != Limit::none) limited = limit_nodes(particles, bins, plan, fits);
   return {std::move(fits.values), std::move(fits.gradients),
-          FitReports(std::move(fits.reports), Solver::moment_matrix)};
+          FitReports(std::move(fits.reports), Solver::moment_matrix), std::move(limited)};
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 #include "recon/io/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 namespace recon {
 
@@ -22,9 +24,25 @@ std::string unique_name() {
   return ".recon-" + std::to_string(getpid()) + "-" + std::to_string(count++) + ".part";
 }
 
+// While it lives, signals that end a process wait.
+class SignalsWait {
+ public:
+  SignalsWait() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~SignalsWait() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
 }  // namespace
 
-AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target) {
+AtomicFile::AtomicFile(const fs::path& target, bool named) : asked_(target), target_(target) {
   std::error_code ignored;
   if (target.filename().empty()) throw FileError(asked_, 0, "a file name is needed");
   if (fs::is_symlink(target, ignored)) target_ = fs::weakly_canonical(target, ignored);
@@ -40,11 +58,19 @@ AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target)
   if (replaces && access(target_.c_str(), W_OK) != 0)
     throw FileError(asked_, 0, "the file is write-protected");
 
-  do {
+  if (!named) {
+    descriptor_ = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0 && !fs::exists(open_path(), ignored)) {  // no /proc, so no way to a name
+      close(descriptor_);
+      descriptor_ = -1;
+    }
+  }
+  while (descriptor_ < 0) {
     temporary_ = directory / unique_name();
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (descriptor_ < 0 && errno == EEXIST);
-  if (descriptor_ < 0) fail("cannot create a file in " + directory.string(), errno);
+    descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST)
+      fail("cannot create a file in " + directory.string(), errno);
+  }
   if (replaces && fchmod(descriptor_, old.st_mode & 07777) != 0)
     fail("cannot keep the permissions", errno);
 }
@@ -56,7 +82,7 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::discard() noexcept {
   if (descriptor_ < 0) return;
   close(descriptor_);
-  unlink(temporary_.c_str());
+  if (!temporary_.empty()) unlink(temporary_.c_str());
   descriptor_ = -1;
 }
 
@@ -81,18 +107,48 @@ void AtomicFile::flush() {
   buffer_.clear();
 }
 
+fs::path AtomicFile::open_path() const {
+  return temporary_.empty() ? fs::path("/proc/self/fd/" + std::to_string(descriptor_)) : temporary_;
+}
+
+bool AtomicFile::link_as(const fs::path& name) const noexcept {
+  const std::string here = "/proc/self/fd/" + std::to_string(descriptor_);
+  return linkat(AT_FDCWD, here.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+}
+
+bool AtomicFile::give_name() noexcept {
+  do {
+    const fs::path name = target_.parent_path() / unique_name();
+    if (!link_as(name)) continue;
+    temporary_ = name;
+    return true;
+  } while (errno == EEXIST);
+  return false;
+}
+
+const fs::path& AtomicFile::temporary() {
+  if (temporary_.empty() && !give_name()) fail("cannot create a file beside it", errno);
+  return temporary_;
+}
+
+bool AtomicFile::put_in_place() noexcept {
+  if (temporary_.empty()) {
+    if (link_as(target_)) return true;
+    if (errno != EEXIST) return false;
+  }
+  // A link replaces nothing, a rename does: the file has another name for a moment.
+  const SignalsWait wait;
+  if (temporary_.empty() && !give_name()) return false;
+  return rename(temporary_.c_str(), target_.c_str()) == 0;
+}
+
 void AtomicFile::commit() {
   flush();
   if (fsync(descriptor_) != 0 && errno != EINVAL) fail("cannot write", errno);
-  const int descriptor = descriptor_;
-  descriptor_ = -1;
-  const bool closed = close(descriptor) == 0;
-  if (closed && rename(temporary_.c_str(), target_.c_str()) == 0) return;
-  const int error = errno;
-  unlink(temporary_.c_str());
-  throw FileError(asked_, 0,
-                  (closed ? "cannot put the file in place: " : "cannot write: ") +
-                      std::generic_category().message(error));
+  if (!put_in_place()) fail("cannot put the file in place", errno);
+  const int descriptor = std::exchange(descriptor_, -1);
+  if (close(descriptor) != 0 && errno != EINTR)
+    throw FileError(asked_, 0, "cannot write: " + std::generic_category().message(errno));
 }
 
 }  // namespace recon

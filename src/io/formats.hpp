@@ -21,9 +21,13 @@ class FrameSource {
   virtual ParticleTable read() = 0;
 };
 
+// Names in UTF-8, with a remark where they were not.
+std::vector<std::string> to_utf8(const std::vector<std::string>& names,
+                                 std::vector<std::string>& remarks);
+
 class LammpsFrames : public FrameSource {
  public:
-  explicit LammpsFrames(TextFile& file);
+  LammpsFrames(TextFile& file, const ReadOptions& options);
   ~LammpsFrames() override;
   bool next() override;
   const FrameInfo& info() const override;
@@ -33,13 +37,14 @@ class LammpsFrames : public FrameSource {
  private:
   struct Header;
   TextFile* file_;
+  const ReadOptions* options_;
   std::unique_ptr<Header> header_;
 };
 
 // Delimited text is one frame.
 class DelimitedFrame : public FrameSource {
  public:
-  explicit DelimitedFrame(TextFile& file) : file_(&file) {}
+  DelimitedFrame(TextFile& file, const ReadOptions& options) : file_(&file), options_(&options) {}
   bool next() override;
   const FrameInfo& info() const override { return info_; }
   void skip() override;
@@ -47,6 +52,7 @@ class DelimitedFrame : public FrameSource {
 
  private:
   TextFile* file_;
+  const ReadOptions* options_;
   FrameInfo info_;
   bool done_ = false;
 };

@@ -5,6 +5,7 @@
 
 #include "formats.hpp"
 #include "recon/core/error.hpp"
+#include "recon/fields/utf8.hpp"
 #include "text_file.hpp"
 
 namespace recon {
@@ -36,6 +37,22 @@ std::string frames_there_are(std::size_t frames) {
 
 }  // namespace
 
+namespace detail {
+
+std::vector<std::string> to_utf8(const std::vector<std::string>& names,
+                                 std::vector<std::string>& remarks) {
+  std::vector<std::string> converted;
+  bool all_are = true;
+  for (const std::string& name : names) {
+    all_are = all_are && is_utf8(name);
+    converted.push_back(recon::to_utf8(name));
+  }
+  if (!all_are) remarks.push_back("names that are not UTF-8 are read as Latin-1 (Windows-1252)");
+  return converted;
+}
+
+}  // namespace detail
+
 struct FrameReader::State {
   detail::TextFile file;
   ReadOptions options;
@@ -48,11 +65,19 @@ struct FrameReader::State {
 
   template <class... Source>
   explicit State(const ReadOptions& asked, const Source&... from) : file(from...), options(asked) {
+    for (const std::string& name : options.columns)
+      require(!name.empty(), "name of a column", "''", "must not be empty");
+    std::string_view line;
+    for (std::size_t skipped = 0; skipped < options.skip_rows; ++skipped)
+      if (!file.next(line))
+        throw FileError(file.path(), 0,
+                        "there is nothing behind the " + std::to_string(options.skip_rows) +
+                            " rows to skip: the file has " + std::to_string(skipped) + " lines");
     has_steps = is_lammps_dump(file);
     if (has_steps)
-      source = std::make_unique<detail::LammpsFrames>(file);
+      source = std::make_unique<detail::LammpsFrames>(file, options);
     else
-      source = std::make_unique<detail::DelimitedFrame>(file);
+      source = std::make_unique<detail::DelimitedFrame>(file, options);
   }
 
   // Calls use() on the next frame; false at the end of the file, or where it ends within a frame
@@ -195,8 +220,8 @@ std::vector<FrameInfo> FrameReader::list(State& state) {
   return frames;
 }
 
-std::vector<FrameInfo> list_frames(const std::filesystem::path& path) {
-  FrameReader::State state({}, path);
+std::vector<FrameInfo> list_frames(const std::filesystem::path& path, const ReadOptions& options) {
+  FrameReader::State state(options, path);
   return FrameReader::list(state);
 }
 
@@ -204,8 +229,9 @@ ParticleTable read_particles(const std::filesystem::path& path, const ReadOption
   return FrameReader::State(options, path).read_asked();
 }
 
-std::vector<FrameInfo> list_frames_of(std::string_view bytes, const std::string& name) {
-  FrameReader::State state({}, bytes, std::filesystem::path(name));
+std::vector<FrameInfo> list_frames_of(std::string_view bytes, const ReadOptions& options,
+                                      const std::string& name) {
+  FrameReader::State state(options, bytes, std::filesystem::path(name));
   return FrameReader::list(state);
 }
 

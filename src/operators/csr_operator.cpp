@@ -113,6 +113,34 @@ template <class Scalar, class SumOfProducts>
   }
 }
 
+// Limits the values of a row, one for each component; returns how many left the range of the data
+// by more than rounding.
+template <class Scalar>
+std::uint32_t limit_row(const Scalar* phi, const ParticleIndex* indices, std::int64_t begin,
+                        std::int64_t end, const Scalar* in, std::size_t components, Limit kind,
+                        const std::vector<detail::DataRange<Scalar>>& all, Scalar* values) {
+  std::uint32_t limited = 0;
+  for (std::size_t c = 0; c < components; ++c) {
+    detail::DataRange<Scalar> range;
+    // Most values lie between the data of the first few particles.
+    for (std::int64_t e = begin; e < end && !range.holds(values[c]); ++e)
+      if (phi[e] != 0) range.add(in[indices[e] * components + c]);
+    if (range.holds(values[c])) continue;
+    Scalar amplification = 0;
+    for (std::int64_t e = begin; e < end; ++e) amplification += std::abs(phi[e]);
+    limited += range.limit(values[c], kind, all[c], amplification);
+  }
+  return limited;
+}
+
+// The ranges of the components of `in`.
+template <class Scalar>
+std::vector<detail::DataRange<Scalar>> ranges_of(const Array<Scalar>& in, std::size_t components) {
+  std::vector<detail::DataRange<Scalar>> ranges(components);
+  for (std::size_t i = 0; i < in.size(); ++i) ranges[i % components].add(in[i]);
+  return ranges;
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -173,6 +201,12 @@ std::vector<std::uint32_t> CsrOperator<Scalar>::empty_rows() const {
 template <class Scalar>
 void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
                                 const FieldSpan<Scalar>& out) const {
+  apply(field, out, Limit::none, nullptr);
+}
+
+template <class Scalar>
+void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
+                                Limit limit, std::uint32_t* limited) const {
   require(field.size() == columns(), "size of the field", field.size(),
           "must be the number of particles");
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
@@ -181,6 +215,8 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
           "must be those of the field times the operator's blocks");
   const SparsityPattern<Scalar>& pattern = *pattern_;
   const Array<Scalar> in = gather<Scalar>(field, pattern.particle_of, {}, threads_);
+  std::vector<detail::DataRange<Scalar>> all;
+  if (limit != Limit::none) all = ranges_of(in, static_cast<std::size_t>(width));
 
   parallel_blocks(rows(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
     std::vector<Scalar> sums(width);
@@ -218,6 +254,9 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
               [&](std::int64_t e) { return values[(first + e) * blocks_ + i % blocks_]; },
               [&](std::int64_t e) { return in[index[first + e] * stride + i / blocks_]; });
         });
+      if (limit != Limit::none)
+        limited[t] = limit_row(values, index, first, last, in.data(),
+                               static_cast<std::size_t>(width), limit, all, sums.data());
       for (int i = 0; i < width; ++i) out(t, i) = sums[i];
     }
   });

@@ -14,6 +14,7 @@ FitReports::FitReports(std::vector<FitReport> reports, Solver asked)
     s.reduced += report.status == FitStatus::reduced;
     s.nearest += report.status == FitStatus::nearest;
     s.no_support += report.status == FitStatus::no_support;
+    s.too_far += report.status == FitStatus::too_far;
     s.fewest_neighbours = std::min<std::size_t>(s.fewest_neighbours, report.neighbours);
     s.most_neighbours = std::max<std::size_t>(s.most_neighbours, report.neighbours);
     s.mean_neighbours += report.neighbours;

@@ -46,8 +46,10 @@ class MapTest : public ProgramTest {
 
 TEST_F(MapTest, ReproducesALinearField) {
   write_cloud("cloud.csv", 800, false);
-  succeed("map cloud.csv --fields u --spacing 0.2 --radius 0.35 --out grid.csv");
-  EXPECT_EQ(first_line("grid.csv"), "x,y,z,u,neighbours,rank,degree,status");
+  succeed(
+      "map cloud.csv --fields u --spacing 0.2 --radius 0.35 --limit none --leverage 30 --out "
+      "grid.csv");
+  EXPECT_EQ(first_line("grid.csv"), "x,y,z,u,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("grid.csv");
   ASSERT_EQ(grid.size(), 216u);
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -55,13 +57,14 @@ TEST_F(MapTest, ReproducesALinearField) {
     EXPECT_NEAR(grid.column("u")[i],
                 linear(grid.column("x")[i], grid.column("y")[i], grid.column("z")[i]), 1e-10);
   }
-  EXPECT_THAT(read("grid.csv"), HasSubstr(",4,1,full\n"));
+  EXPECT_THAT(read("grid.csv"), HasSubstr(",4,1,full,0\n"));
 }
 
 TEST_F(MapTest, AllMethodsOfDegreeOneReproduceIt) {
   write_cloud("cloud.csv", 300, true);
   for (const char* method : {"mls", "imls", "qr", "svd"}) {
-    succeed(std::string("map cloud.csv --fields u --spacing 0.25 --k 12 --out m.csv --method ") +
+    succeed(std::string("map cloud.csv --fields u --spacing 0.25 --k 12 --limit none --out m.csv "
+                        "--method ") +
             method);
     const ParticleTable grid = table("m.csv");
     for (std::size_t i = 0; i < grid.size(); ++i)
@@ -74,17 +77,58 @@ TEST_F(MapTest, AllMethodsOfDegreeOneReproduceIt) {
 TEST_F(MapTest, ConstantZMeansTwoDimensions) {
   write_cloud("flat.csv", 200, true);
   EXPECT_THAT(succeed("map flat.csv --fields u --spacing 0.25 --out a.csv"), HasSubstr("in 2-D"));
-  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status,limited");
   EXPECT_THAT(succeed("map flat.csv --fields u --spacing 0.25 --dimension 3 --out b.csv"),
               HasSubstr("in 3-D"));
-  EXPECT_EQ(first_line("b.csv"), "x,y,z,u,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("b.csv"), "x,y,z,u,neighbours,rank,degree,status,limited");
   EXPECT_THAT(read("b.csv"), HasSubstr("reduced"));  // nothing is known across the plane
+}
+
+// A run in the plane y = 0.5: 2-D in x and z, in every name and file.
+TEST_F(MapTest, AnyTwoCoordinatesMakeTwoDimensions) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "x,y,z,u,vx,vy,vz\n";
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform;
+  for (int i = 0; i < 200; ++i) {
+    const double x = uniform(random), z = uniform(random);
+    text << x << ",0.5," << z << ',' << linear(x, 0.5, z) << ",3,0,4\n";
+  }
+  write("plane.csv", text.str());
+  const std::string map =
+      "map plane.csv --fields u,velocity --gradient --spacing 0.25 --radius 0.35 ";
+  for (const char* coordinates : {"", " --coordinates x,z"}) {
+    const std::string out = succeed(map + "--out a.csv --out a.vti" + coordinates);
+    EXPECT_THAT(out, HasSubstr(*coordinates == 0 ? "in 2-D (x and z; y = 0.5 for all)" : "in 2-D"));
+    EXPECT_THAT(out, HasSubstr("full degree at 25 (100 %)"));
+    EXPECT_EQ(first_line("a.csv"),
+              "x,z,u,du_dx,du_dz,velocity_x,velocity_z,dvx_dx,dvx_dz,dvz_dx,dvz_dz,neighbours,rank,"
+              "degree,status,limited");
+    const ParticleTable grid = table("a.csv");
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      EXPECT_NEAR(grid.column("u")[i], linear(grid.column("x")[i], 0.5, grid.column("z")[i]),
+                  1e-10);
+      EXPECT_NEAR(grid.column("du_dz")[i], 0.5, 1e-8);
+      EXPECT_NEAR(grid.column("velocity_z")[i], 4, 1e-10);
+    }
+    // In space it lies where the particles are.
+    const std::string vti = read("a.vti");
+    EXPECT_THAT(vti, HasSubstr("WholeExtent=\"0 4 0 0 0 4\""));
+    EXPECT_THAT(vti, HasSubstr(*coordinates == 0 ? "Origin=\"0 0.5 0\"" : "Origin=\"0 0 0\""));
+    EXPECT_THAT(vti, HasSubstr("Name=\"velocity\" NumberOfComponents=\"3\""));
+  }
+  write("points.csv", "x,y,z\n0.25,7,0.5\n0.75,8,0.5\n");
+  succeed("map plane.csv --fields u --radius 0.35 --targets points.csv --out at.csv --out at.vtp");
+  EXPECT_EQ(first_line("at.csv"), "x,z,u,neighbours,rank,degree,status,limited");
+  EXPECT_NEAR(table("at.csv").column("u")[1], linear(0.75, 0.5, 0.5), 1e-10);
 }
 
 TEST_F(MapTest, GradientsOfALinearField) {
   write_cloud("cloud.csv", 300, true);
-  succeed("map cloud.csv --fields u --spacing 0.25 --radius 0.3 --gradient --out g.csv");
-  EXPECT_EQ(first_line("g.csv"), "x,y,u,du_dx,du_dy,neighbours,rank,degree,status");
+  succeed(
+      "map cloud.csv --fields u --spacing 0.25 --radius 0.3 --leverage 30 --gradient --out g.csv");
+  EXPECT_EQ(first_line("g.csv"), "x,y,u,du_dx,du_dy,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("g.csv");
   for (std::size_t i = 0; i < grid.size(); ++i) {
     EXPECT_NEAR(grid.column("du_dx")[i], 2, 1e-9);
@@ -108,7 +152,7 @@ TEST_F(MapTest, VtkHasTheFieldsAndTheReports) {
   succeed("map cloud.csv --fields u,speed --components v=vx,vy --spacing 0.25 --out a.vti");
   const std::string vti = read("a.vti");
   for (const char* name :
-       {"u", "speed", "v", "neighbours", "rank", "degree", "status", "smallest_pivot"})
+       {"u", "speed", "v", "neighbours", "rank", "degree", "status", "smallest_pivot", "limited"})
     EXPECT_THAT(vti, HasSubstr("Name=\"" + std::string(name) + "\"")) << name;
 }
 
@@ -116,7 +160,7 @@ TEST_F(MapTest, DerivedVelocityAndSpeed) {
   write_cloud("cloud.csv", 400, false);
   succeed("map cloud.csv --fields velocity,speed --spacing 0.5 --radius 0.5 --out a.csv");
   EXPECT_EQ(first_line("a.csv"),
-            "x,y,z,velocity_x,velocity_y,velocity_z,speed,neighbours,rank,degree,status");
+            "x,y,z,velocity_x,velocity_y,velocity_z,speed,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("a.csv");
   for (std::size_t i = 0; i < grid.size(); ++i) {
     EXPECT_NEAR(grid.column("velocity_y")[i], 4, 1e-12);
@@ -127,7 +171,7 @@ TEST_F(MapTest, DerivedVelocityAndSpeed) {
 TEST_F(MapTest, AllIsEveryColumnButLabelsAndCoordinates) {
   write_cloud("cloud.csv", 200, true);
   succeed("map cloud.csv --fields all --spacing 0.5 --out a.csv");
-  EXPECT_EQ(first_line("a.csv"), "x,y,u,vx,vy,vz,mass,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,vx,vy,vz,mass,neighbours,rank,degree,status,limited");
 }
 
 // The same at the nodes on either side of the seam as on a shifted copy's interior.
@@ -184,6 +228,44 @@ TEST_F(MapTest, DensityWithNearestNeighbours) {
   for (const double density : grid.column("number_density")) EXPECT_NEAR(density, 256, 16);
 }
 
+// Two kinds of particles at the same places, of masses 1 and 99: the mean by mass.
+TEST_F(MapTest, WeightByMass) {
+  std::string text = "x,y,mass,u\n";
+  for (int i = 0; i < 50; ++i)
+    for (const char* kind : {",1,0\n", ",99,1\n"})
+      text += std::to_string(i % 10) + "," + std::to_string(i / 10) + kind;
+  write("two.csv", text);
+  const std::string map =
+      "map two.csv --fields u,density --spacing 2 --radius 2.5 --method shepard --out a.csv";
+  succeed(map);
+  const ParticleTable plain = table("a.csv");
+  EXPECT_THAT(succeed(map + " --weight-by mass"), HasSubstr("times mass"));
+  const ParticleTable weighted = table("a.csv");
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_NEAR(plain.column("u")[i], 0.5, 1e-12);
+    EXPECT_NEAR(weighted.column("u")[i], 0.99, 1e-12);
+    EXPECT_EQ(weighted.column("density")[i], plain.column("density")[i]);
+  }
+  expect_failure("map two.csv --fields u --out b.csv --weight-by mas", 1, HasSubstr("'mass'"));
+  expect_failure("map two.csv --fields u --out b.csv --weight-by u", 2,
+                 testing::AllOf(HasSubstr("--weight-by u: 0 at row 0"), HasSubstr("positive")));
+}
+
+// The sum over the grid beside that of the particles, and a warning where nodes cannot see all.
+TEST_F(MapTest, SumsAreCompared) {
+  write_periodic("wave.dump", 16);
+  const std::string map = "map wave.dump --fields number_density --form tensor --out d.csv ";
+  std::string out = succeed(map + "--spacing 0.125 --radius 0.25");
+  EXPECT_THAT(out, HasSubstr("number_density: 256 over the grid, 256 of the particles"));
+  EXPECT_THAT(out, testing::Not(HasSubstr("warning")));
+  out = succeed(map + "--spacing 0.125 --radius 0.05");
+  EXPECT_THAT(out, HasSubstr("of the particles"));
+  EXPECT_THAT(out, HasSubstr("warning"));
+  EXPECT_THAT(out, HasSubstr("radius 0.05 is smaller than the spacing 0.125"));
+  out = succeed(map + "--spacing 0.125 --radius 0.25 --bounds 0,0.5,0,0.5");  // of a part
+  EXPECT_THAT(out, testing::Not(HasSubstr("of the particles")));
+}
+
 TEST_F(MapTest, FramesFromBothEnds) {
   EXPECT_THAT(succeed("map \"$CHUTE\" --frame 0 --fields vx --out a.csv"), HasSubstr("step 25000"));
   EXPECT_THAT(succeed("map \"$CHUTE\" --frame -6 --fields vx --out b.csv"),
@@ -194,16 +276,97 @@ TEST_F(MapTest, FramesFromBothEnds) {
 }
 
 TEST_F(MapTest, WithoutSupport) {
-  write("two.csv", "x,y,u\n0,0,1\n10,0,2\n");
+  write("two.csv", "x,y,u\n0,0,1\n10,1,2\n");
   const std::string map =
       "map two.csv --fields u --spacing 5 --radius 1 --out a.csv --unsupported ";
   succeed(map + "nan");
-  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,nan,0,0,-1,no_support\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,nan,0,0,-1,no_support,0\n"));
   succeed(map + "-1");
-  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,-1,0,0,-1,no_support\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,-1,0,0,-1,no_support,0\n"));
   succeed(map + "nearest");
   EXPECT_THAT(read("a.csv"), HasSubstr("5,0,1,0,"));
-  EXPECT_THAT(read("a.csv"), HasSubstr(",nearest\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr(",nearest,0\n"));
+}
+
+// Three particles close together and one far away: the plane through the three is 6.67 at (2, 0).
+TEST_F(MapTest, ValuesStayNearTheirData) {
+  write("three.csv", "x,y,v\n0,0,0\n0.3,0,1\n0,0.3,0\n6,6,0.5\n");
+  const std::string map =
+      "map three.csv --fields v --spacing 1 --bounds 0,6,0,6 --out a.csv --radius 3 ";
+  for (const char* limit : {"", "--limit range", "--limit relaxed", "--limit none"}) {
+    const std::string out = succeed(map + limit);
+    const ParticleTable grid = table("a.csv");
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const double v = grid.raw_column("v")[i];
+      if (std::isnan(v)) continue;
+      EXPECT_GE(v, limit == std::string("--limit none") ? -0.2 : 0) << limit;
+      EXPECT_LE(v, limit == std::string("--limit none") ? 1.2 : 1) << limit;
+    }
+    EXPECT_THAT(out, HasSubstr(limit == std::string("--limit none") ? "nothing (--limit none)"
+                                                                    : " of the values, at "));
+  }
+}
+
+TEST_F(MapTest, LimitedValuesAreCounted) {
+  std::ostringstream text;
+  text << "x,y,u,w\n";  // a step between lattice lines, and a linear field
+  for (int i = 0; i < 400; ++i)
+    text << i % 20 << ',' << i / 20 << ',' << (i % 20 < 10 ? 0 : 1) << ',' << i % 20 << '\n';
+  write("step.csv", text.str());
+  const std::string map =
+      "map step.csv --fields u,w --degree 2 --spacing 0.5 --bounds 2,17,2,17 --out a.csv --out "
+      "a.vti ";
+  succeed(map + "--limit none");
+  const ParticleTable plain = table("a.csv");
+  for (const char* limit : {"--limit range", "--limit relaxed"}) {
+    const std::string out = succeed(map + limit);
+    const ParticleTable grid = table("a.csv");
+    int targets = 0;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const double u = grid.column("u")[i], expected = plain.column("u")[i];
+      EXPECT_NEAR(u, std::clamp(expected, 0.0, 1.0), 1e-12);
+      EXPECT_EQ(grid.column("limited")[i], std::abs(u - expected) > 1e-12 ? 1 : 0);
+      targets += grid.column("limited")[i] > 0;
+      EXPECT_NEAR(grid.column("w")[i], grid.column("x")[i], 1e-12);
+    }
+    EXPECT_GT(targets, 20);
+    EXPECT_THAT(out, HasSubstr("at " + std::to_string(targets) + " targets"));
+    EXPECT_THAT(read("a.vti"), HasSubstr("Name=\"limited\""));
+  }
+}
+
+TEST_F(MapTest, TargetsTooFarFromAllParticles) {
+  std::ostringstream text;
+  text << "x,y,u\n";
+  for (int i = 0; i < 100; ++i) text << i % 10 << ',' << i / 10 << ",2\n";
+  write("square.csv", text.str());
+  const std::string map =
+      "map square.csv --fields u --spacing 1 --bounds 0,30,0,9 --out a.csv --out a.vti ";
+  EXPECT_THAT(succeed(map + "--unsupported nearest"),
+              HasSubstr("too far from all particles at 170 (54.8 %): nan"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("30,0,nan,0,0,-1,too_far,0\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("11,0,2,9,"));
+  succeed(map + "--unsupported -4");
+  EXPECT_THAT(read("a.csv"), HasSubstr("30,0,-4,0,0,-1,too_far,0\n"));
+  EXPECT_THAT(succeed(map + "--max-distance none"), testing::Not(HasSubstr("too far")));
+  EXPECT_THAT(read("a.csv"), HasSubstr("30,0,2,9,"));
+}
+
+// Sums have one support everywhere, and are what they are where fields have no value.
+TEST_F(MapTest, SumsKeepTheirMeaningWithAdaptiveSupports) {
+  std::ostringstream text;
+  text << "x,y,mass,u\n";
+  for (int i = 0; i < 400; ++i)
+    text << i % 20 + 0.5 << ',' << i / 20 + 0.5 << ",0.25," << i % 20 << '\n';
+  write("square.csv", text.str());
+  EXPECT_THAT(
+      succeed("map square.csv --fields density,u --spacing 0.5 --bounds -8,28,-8,28 --out a.csv"),
+      HasSubstr("of sums radius 2"));
+  const ParticleTable grid = table("a.csv");
+  double mass = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) mass += grid.column("density")[i] * 0.25;
+  EXPECT_NEAR(mass, 100, 0.5);
+  EXPECT_THAT(read("a.csv"), HasSubstr("-8,-8,0,nan,0,0,-1,too_far,0\n"));
 }
 
 TEST_F(MapTest, GrowingSupportsReachTheDegree) {
@@ -229,7 +392,7 @@ TEST_F(MapTest, ReplacesAnOlderOutput) {
   write("a.csv", "old");
   write_cloud("cloud.csv", 100, true);
   succeed("map cloud.csv --fields u --out a.csv");
-  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status,limited");
   EXPECT_EQ(files(), (std::vector<std::string>{"a.csv", "cloud.csv"}));
 }
 
@@ -238,6 +401,33 @@ TEST_F(MapTest, PictureIsAPng) {
   succeed("map \"$CHUTE\" --fields velocity --slice z=3 --show velocity,degree --picture a.png");
   EXPECT_EQ(read("a.png").substr(0, 8), "\x89PNG\r\n\x1a\n");
   EXPECT_GT(read("a.png").size(), 2000u);
+}
+
+TEST_F(MapTest, PictureOfAFieldWithAnyName) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  std::string text = "x,y,d'a''b,\"p, `q` $(r)\"\n";
+  for (int i = 0; i < 36; ++i)
+    text += std::to_string(i % 6) + "," + std::to_string(i / 6) + "," + std::to_string(i) + ",1\n";
+  write("a.csv", text);
+  succeed("map a.csv --fields \"d'a''b\" --picture a.png");
+  succeed("map a.csv --fields \"d'a''b,\\\"p, \\`q\\` \\$(r)\\\"\" --picture b.png");
+  EXPECT_TRUE(exists("a.png") && exists("b.png"));
+}
+
+// One particle of a hundred is far off: the colours are those of the others, and this is said.
+TEST_F(MapTest, OutliersAreSaid) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  std::string text = "x,y,u\n";
+  for (int i = 0; i < 400; ++i)
+    text += std::to_string(i % 20) + "," + std::to_string(i / 20) + "," +
+            (i == 209 ? "1e6" : std::to_string(i % 20)) + "\n";
+  write("a.csv", text);
+  const std::string map = "map a.csv --fields u --spacing 1 --radius 0.9 --picture a.png ";
+  EXPECT_THAT(succeed(map), HasSubstr("1 node above, up to 1e+06"));
+  EXPECT_THAT(succeed(map + "--colours all"), testing::Not(HasSubstr("above")));
+  EXPECT_THAT(succeed(map + "--colours 0,12"), HasSubstr("nodes above, up to 1e+06"));
+  expect_failure("map a.csv --fields u --picture b.png --colours 2,1", 1,
+                 HasSubstr("--colours 2,1"));
 }
 
 }  // namespace

@@ -2,25 +2,26 @@
 //
 // Formats are told apart by what a file contains, not by its name, and gzip is undone on the way:
 //
-//   LAMMPS text dump    one or more frames; orthogonal boxes (a triclinic one is refused); columns
-//                       of any kind in any order; boundary flags give the periodic axes. Scaled
+//   LAMMPS text dump    one or more frames; columns of any kind in any order; boundary flags give
+//                       the periodic axes. Boxes are orthogonal or triclinic, restricted (tilts xy,
+//                       xz, yz) or general (abc origin): see ParticleTable::set_cell(). Scaled
 //                       coordinates xs, ys, zs become columns x, y, z, and xsu, ysu, zsu become
-//                       xu, yu, zu (x = lower + xs (upper - lower)), unless those are there
-//                       already.
+//                       xu, yu, zu (x = origin + xs a + ys b + zs c with the edges of the box),
+//                       unless those are there already.
 //   delimited text      commas, semicolons, tabs or blanks, with a line of column names before the
-//                       numbers, which may start with '#'. Other lines that start with '#', and
-//                       blank lines, are skipped; names and cells may stand in double quotes (""
-//                       inside for one quote). A unit stays part of the name: "x [m]". An empty
-//                       name becomes column_<number>. Decimal sign is the point, whatever the
-//                       locale.
+//                       numbers, which may start with '#' or '%', or the names from the options.
+//                       Other lines that start with '#' or '%', and blank lines, are skipped; names
+//                       and cells may stand in double quotes ("" inside for one quote). A unit stays
+//                       part of the name: "x [m]". A first row without any number, before one that
+//                       has some, holds units: it is no particle, and told in a remark. An empty name
+//                       becomes column_<number>. Decimal sign is the point, whatever the locale.
 //
-// Rows keep the order of the file. A column whose first cell that is not empty is no number holds
-// text: it is left out and listed in text_columns() and remarks. Columns of coordinates never do.
+// Rows keep the order of the file. Columns are typed when they are used (ParticleTable): text, empty
+// cells, numbers too large for double and names that several columns have are no error until a
+// column is asked for. Names that are not UTF-8 are read as Latin-1 (Windows-1252) and converted.
 //
 // What is wrong with a file throws FileError with the line: a broken or missing line, a wrong
-// number of cells, text among numbers, a number too large for double, a damaged or cut gzip stream,
-// bytes behind the gzip data, an unknown format. Cells that are empty or nan are kept as NaN, which
-// the table reports when the column is used.
+// number of cells, a damaged or cut gzip stream, bytes behind the gzip data, an unknown format.
 //
 // A file that ends within a frame (a run that was stopped, a copy that was broken off): the frames
 // before it are listed and read, with a remark; asking for the cut one is an error, and so is a
@@ -65,10 +66,19 @@ struct ReadOptions {
   int frame = -1;
   std::optional<std::int64_t> step = {};
   std::optional<double> time = {};
+  // Names of all columns, in place of those of the file, which then needs none.
+  std::vector<std::string> columns = {};
+  // Lines at the beginning of the file that are not looked at.
+  std::size_t skip_rows = 0;
+  // What stands for "no value": see ParticleTable::declare_missing(). Particles without a value in a
+  // column that is used are left out by ParticleTable::leave_out_missing().
+  std::vector<std::string> missing = {};
 };
 
-// All whole frames of a file, in the order of the file. Delimited text is one frame.
-std::vector<FrameInfo> list_frames(const std::filesystem::path& path);
+// All whole frames of a file, in the order of the file, whatever frame the options ask for.
+// Delimited text is one frame.
+std::vector<FrameInfo> list_frames(const std::filesystem::path& path,
+                                   const ReadOptions& options = {});
 
 // The particles of one frame. Throws FileError for a frame that the file does not have, telling
 // which there are, and for a file that is not there, naming files of that directory with a like
@@ -76,7 +86,8 @@ std::vector<FrameInfo> list_frames(const std::filesystem::path& path);
 ParticleTable read_particles(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // The same from bytes in memory, as a file would have them (gzip too); `name` stands in messages.
-std::vector<FrameInfo> list_frames_of(std::string_view bytes, const std::string& name = "memory");
+std::vector<FrameInfo> list_frames_of(std::string_view bytes, const ReadOptions& options = {},
+                                      const std::string& name = "memory");
 ParticleTable read_particles_of(std::string_view bytes, const ReadOptions& options = {},
                                 const std::string& name = "memory");
 
@@ -105,9 +116,10 @@ class FrameReader {
  private:
   struct State;
   static std::vector<FrameInfo> list(State& state);
-  friend std::vector<FrameInfo> list_frames(const std::filesystem::path&);
+  friend std::vector<FrameInfo> list_frames(const std::filesystem::path&, const ReadOptions&);
   friend ParticleTable read_particles(const std::filesystem::path&, const ReadOptions&);
-  friend std::vector<FrameInfo> list_frames_of(std::string_view, const std::string&);
+  friend std::vector<FrameInfo> list_frames_of(std::string_view, const ReadOptions&,
+                                               const std::string&);
   friend ParticleTable read_particles_of(std::string_view, const ReadOptions&, const std::string&);
   std::unique_ptr<State> state_;
 };

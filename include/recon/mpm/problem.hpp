@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -76,6 +77,9 @@ struct Problem {
   Method method;
   TimeOptions time;
   int threads = 0;
+  // Of what functions and initial values were made, by key: read_problem() fills it. A checkpoint
+  // belongs to problems with the same texts; what is not told here cannot be compared.
+  std::map<std::string, std::string> formulas{};
 
   // Velocity, velocity gradient and body force are made those of `exact`.
   void follow_exact();

@@ -16,6 +16,7 @@
 // but for `fill`.
 //
 // Rows without support hold no entries; apply() writes `fill` there, the transpose ignores them.
+// An operator is linear and never limited; limiting is a way to apply a reconstruction (limit.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -26,6 +27,7 @@
 
 #include "recon/core/array.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
+#include "recon/operators/limit.hpp"
 #include "recon/points/view.hpp"
 
 namespace recon {
@@ -62,6 +64,9 @@ struct SparsityPattern {
   mutable Transposed transposed_;
   mutable std::vector<std::uint32_t> row_of_;
 };
+
+template <class Scalar>
+class BasicReconstruction;
 
 template <class Scalar>
 class CsrOperator {
@@ -117,6 +122,11 @@ class CsrOperator {
   void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
 
  private:
+  // For a reconstruction, whose values may be limited: `limited` has a count per target.
+  friend class BasicReconstruction<Scalar>;
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, Limit limit,
+             std::uint32_t* limited) const;
+
   std::shared_ptr<const SparsityPattern<Scalar>> pattern_ =
       std::make_shared<SparsityPattern<Scalar>>();
   Array<Scalar> values_;  // entry-major: [e * blocks + b]

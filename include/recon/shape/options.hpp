@@ -52,6 +52,14 @@ struct Options {
   // visible(target, particle) == false hides a particle from a target. Called concurrently.
   Visibility visible{};
 
+  // Targets farther from every particle (that they see) than this many local spacings are not
+  // extrapolated to: their status is too_far, and they get fill_value, whatever `unsupported` says.
+  // The local spacing is the distance from the nearest particle to its (2 D + 3)rd neighbour, the
+  // last that a linear fit takes by default; copies at one place count once, and with `stretch`
+  // distances are those in stretched coordinates. No target among dense particles in 2-D and 3-D is
+  // as far as 2. Infinity: no limit.
+  double max_distance = std::numeric_limits<double>::infinity();
+
   Growth grow{};
   Unsupported unsupported = Unsupported::fill;
   double fill_value = std::numeric_limits<double>::quiet_NaN();

@@ -1,6 +1,7 @@
 #include "field_plan.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
@@ -22,8 +23,8 @@ Names velocity_columns(const Particles& particles) {
   Names columns;
   for (const char* name : {"vx", "vy", "vz"})
     if (particles.table.has(name)) columns.push_back(name);
-  if (columns.size() > 2 && particles.dimension == 2) columns.resize(2);
-  return columns;
+  if (columns.size() < 3 || particles.dimension != 2) return columns;
+  return {std::string("v") + particles.letters[0], std::string("v") + particles.letters[1]};
 }
 
 // The column among these that the particles have, or "".
@@ -87,9 +88,6 @@ PlannedField plan_derived(Particles& particles, const std::string& name) {
 [[noreturn]] void fail_unknown(const Particles& particles, const std::string& name) {
   Names known = particles.table.names();
   for (const std::string& derived : derivable_fields(particles)) known.push_back(derived);
-  const Names text = particles.table.text_columns();
-  if (contains(text, name))
-    fail_usage("field '" + name + "' holds text; a column of numbers is needed");
   fail_usage("unknown field '" + name + "'; " + suggest(name, known));
 }
 
@@ -119,6 +117,20 @@ void plan_named(Particles& particles, const std::string& name, FieldPlan& plan) 
   }
 }
 
+// Numbers, kinds, image flags and coordinates: columns that tell which particle this is, or where,
+// and no field. ("xsu" is a coordinate of LAMMPS that is scaled and unwrapped.)
+bool is_label(const std::string& name) {
+  static const Names labels{"id",  "ids",  "gid",      "pid",     "tag",     "type",    "typelabel",
+                            "mol", "proc", "procp1",   "element", "ix",      "iy",      "iz",
+                            "row", "step", "timestep", "index",   "species", "material"};
+  std::string lower = name;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (contains(labels, lower) || lower.ends_with("_id") || lower.ends_with("_type")) return true;
+  if (axis_of_coordinate(name)) return true;
+  return lower.size() >= 2 && lower.size() <= 3 && lower[0] >= 'x' && lower[0] <= 'z' &&
+         (lower.substr(1) == "s" || lower.substr(1) == "u" || lower.substr(1) == "su");
+}
+
 void require_distinct(const FieldPlan& plan) {
   Names names{"neighbours", "rank", "degree", "status", "smallest_pivot", "amplification"};
   const std::size_t reports = names.size();
@@ -138,13 +150,9 @@ void require_distinct(const FieldPlan& plan) {
 }  // namespace
 
 Names mappable_columns(const Particles& particles) {
-  static const Names labels{"id",       "type",     "mol",      "element", "ix",       "iy",
-                            "iz",       "x",        "y",        "z",       "X",        "Y",
-                            "Z",        "xu",       "yu",       "zu",      "Points:0", "Points:1",
-                            "Points:2", "Points_0", "Points_1", "Points_2"};
   Names columns;
   for (const std::string& name : particles.table.names())
-    if (!contains(labels, name) && !contains(particles.axes, name)) columns.push_back(name);
+    if (!is_label(name) && !contains(particles.axes, name)) columns.push_back(name);
   return columns;
 }
 
@@ -155,9 +163,41 @@ Names derivable_fields(const Particles& particles) {
   return names;
 }
 
+namespace {
+
+// The columns of the particles that these fields are made of.
+Names used_columns(const Particles& particles, const std::string& fields,
+                   const std::vector<std::string>& components) {
+  Names used;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty() && particles.table.has(name) && !contains(used, name)) used.push_back(name);
+  };
+  for (const std::string& name : split(fields)) {
+    add(name);
+    if (particles.table.has(name)) continue;
+    if (name == "all")
+      for (const std::string& column : mappable_columns(particles)) add(column);
+    if (name == "velocity" || name == "speed")
+      for (const char* column : {"vx", "vy", "vz"}) add(column);
+    if (name == "density") add(first_of(particles, {"mass", "rmass"}));
+    if (name == "solid_fraction") add(first_of(particles, {"radius", "diameter"}));
+  }
+  for (const std::string& text : components)
+    for (const std::string& column : split(text.substr(text.find('=') + 1))) add(column);
+  return used;
+}
+
+}  // namespace
+
+bool has_sums(const FieldPlan& plan) {
+  return std::any_of(plan.begin(), plan.end(),
+                     [](const PlannedField& field) { return field.is_kernel_sum(); });
+}
+
 FieldPlan plan_fields(Particles& particles, const std::string& fields,
                       const std::vector<std::string>& components) {
   FieldPlan plan;
+  leave_out_missing(particles, used_columns(particles, fields, components));
   with_exit_code(wrong_input, [&] {
     for (const std::string& name : split(fields)) plan_named(particles, name, plan);
     for (const std::string& text : components) plan.push_back(plan_components(particles, text));

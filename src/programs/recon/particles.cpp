@@ -4,18 +4,47 @@
 #include <cmath>
 #include <numbers>
 
+#include "frames.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/names.hpp"
 #include "recon/io/read.hpp"
+#include "recon/neighbourhood/find_neighbours.hpp"
+#include "where.hpp"
 
 namespace recon::program {
 
 namespace {
 
 constexpr std::array<const char*, max_dimension> axis_names{"x", "y", "z"};
+
+std::vector<LeftOut> find_left_out(const ParticleTable& table,
+                                   const std::vector<std::string>& used) {
+  std::vector<LeftOut> found;
+  for (const std::string& name : table.all_coordinates()) {
+    if (std::find(used.begin(), used.end(), name) != used.end()) continue;
+    const std::vector<double>& values = table.raw_column(name);
+    const bool same = std::all_of(values.begin(), values.end(),
+                                  [&](double value) { return value == values.front(); });
+    found.push_back({name, axis_of_coordinate(name), {}});
+    if (same) found.back().place = values.front();
+  }
+  return found;
+}
+
+void keep_where(const InputOptions& options, ParticleTable& table) {
+  if (options.where.empty()) return;
+  const std::vector<bool> kept = rows_where(options.where, table);
+  const std::size_t all = kept.size();
+  table.keep_rows(kept);
+  if (table.size() == 0)
+    fail_usage("--where '" + options.where + "': is true of none of the " +
+               counted(all, "particle") + " of " + table.source);
+  table.remarks.push_back("where " + options.where + ": " + count(table.size()) + " of " +
+                          counted(all, "particle"));
+}
 
 void choose_coordinates(const InputOptions& options, ParticleTable& table) {
   if (options.coordinates.empty()) return;
@@ -61,16 +90,20 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
   PeriodicDomain<double> domain;
   if (options.periodic == "none") return domain;
   if (options.periodic == "from-file") return particles.table.domain(particles.dimension);
-  if (!particles.table.has_box() && !bounds)
+  const ParticleTable& table = particles.table;
+  if (!table.has_box() && !bounds)
     fail_usage("--periodic " + options.periodic + ": " + options.file +
                " does not tell the box; say where the periods begin and end with --bounds");
-  const Box<double> box =
-      particles.table.has_box() ? particles.table.box(particles.dimension) : *bounds;
+  const PeriodicDomain<double> possible =
+      table.has_box() ? table.possible_domain(particles.dimension)
+                      : PeriodicDomain<double>{bounds->lower, bounds->upper};
   for (const std::string& name : split(options.periodic)) {
     const int axis = particles.axis(name, "--periodic");
+    if (table.has_box() && !possible.periodic[axis])
+      fail_usage("--periodic " + name + ": " + table.why_not_periodic(axis, particles.dimension));
     domain.periodic[axis] = true;
-    domain.lower[axis] = box.lower[axis];
-    domain.upper[axis] = box.upper[axis];
+    domain.lower[axis] = possible.lower[axis];
+    domain.upper[axis] = possible.upper[axis];
   }
   with_exit_code(wrong_usage, [&] { domain.validate(particles.dimension); });
   return domain;
@@ -79,7 +112,7 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
 // The spacing of a regular lattice that has as many points in this extent: along an axis of length
 // L it has L / spacing of them where the axis is periodic, else one more. 0 for particles at one
 // place.
-double mean_spacing(const Particles& particles) {
+double box_spacing(const Particles& particles) {
   const auto points = [&](double spacing) {
     double product = 1;
     for (int d = 0; d < particles.dimension; ++d)
@@ -99,6 +132,25 @@ double mean_spacing(const Particles& particles) {
   return greatest;
 }
 
+constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
+                                                      4 * std::numbers::pi / 3};
+
+// The spacing of a lattice as dense as the particles are where they are: by the median over the
+// particles of the distance to the k-th neighbour, k = D (D + 1), whose ball holds k spacings^D. 0
+// where most coincide.
+double local_spacing(const Particles& particles) {
+  const int dimension = particles.dimension;
+  const std::size_t k = static_cast<std::size_t>(dimension * (dimension + 1));
+  if (particles.size() < 2) return 0;
+  const PointCloud<double> cloud(particles.positions(), "particles", particles.domain);
+  constexpr double factor = 2;
+  auto reach = find_neighbours(cloud, cloud, Nearest{k + 1, factor}, particles.domain).support;
+  const auto middle = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() / 2);
+  std::nth_element(reach.begin(), middle, reach.end());
+  return *middle / factor *
+         std::pow(unit_ball[dimension - 1] / static_cast<double>(k), 1.0 / dimension);
+}
+
 }  // namespace
 
 int Particles::axis(std::string_view name, const std::string& option) const {
@@ -114,21 +166,79 @@ std::string Particles::describe() const {
   std::vector<std::string> periodic;
   for (int d = 0; d < dimension; ++d)
     if (domain.periodic[d]) periodic.push_back(axes[d]);
-  std::string text =
-      table.source + ": " + counted(size(), "particle") + " in " + std::to_string(dimension) + "-D";
+  std::string text = table.source;
+  if (table.time) text += ", time " + number(*table.time, 10);
+  text += ": " + counted(size(), "particle") + " in " + std::to_string(dimension) + "-D";
+  if (!left_out.empty()) {
+    text += " (" + enumeration(axes);
+    for (const LeftOut& each : left_out)
+      text += "; " + each.name +
+              (each.place ? " = " + number(*each.place, 10) + " for all" : " left out");
+    text += ")";
+  }
   return periodic.empty() ? text : text + ", periodic in " + enumeration(periodic);
 }
 
 void add_input_options(CLI::App& app, InputOptions& options) {
   const std::string group = "Particles";
-  app.add_option("FILE", options.file,
-                 "LAMMPS text dump, or delimited text with a line of column\n"
-                 "names; either may be gzipped")
+  const auto take_files = [&options](const std::vector<std::string>& files) {
+    options.file = files.front();
+    options.more_files.assign(files.begin() + 1, files.end());
+  };
+  app.add_option_function<std::vector<std::string>>(
+         "FILE", take_files,
+         "LAMMPS text dump, or delimited text with a line of column\n"
+         "names; either may be gzipped. Several files (of map) make a\n"
+         "series")
       ->type_name(" ");
-  app.add_option("--frame", options.frame, "frame of the file, from 0; from the end -1, -2, ...")
+  const auto take_frame = [&options](const std::string& text) {
+    if (const auto number = to_number(text))
+      options.frame = static_cast<int>(*number);
+    else
+      options.frames = text;
+  };
+  app.add_option_function<std::string>(
+         "--frame", take_frame,
+         "frame of the file, from 0; from the end -1, -2, ... (default\n"
+         "-1). A series (of map): all, or FIRST:LAST, as in 0:10 or\n"
+         "-5:, and 0:100:10 for every tenth")
       ->type_name("N")
-      ->check(whole_number(std::nullopt))
-      ->capture_default_str()
+      ->check(check_frame_text)
+      ->group(group);
+  app.add_option("--where", options.where,
+                 "only particles of which this is true, as in\n"
+                 "'type == 2 and z > 1': columns by name (in backticks where\n"
+                 "needed), numbers, + - * / ^, comparisons, and, or, not, sqrt,\n"
+                 "abs, min, max, sin, ...")
+      ->type_name("CONDITION")
+      ->group(group);
+  app.add_option("--step", options.step, "or the frame of this step")
+      ->type_name("STEP")
+      ->excludes("--frame")
+      ->check(whole_number(std::nullopt, 9e15))
+      ->group(group);
+  app.add_option("--time", options.time, "or the frame of this time")
+      ->type_name("TIME")
+      ->excludes("--frame")
+      ->excludes("--step")
+      ->check(finite_number())
+      ->group(group);
+  app.add_option("--columns", options.columns,
+                 "names of all columns, as in x,y,v, for a file without\n"
+                 "names or in place of its own")
+      ->type_name("NAMES")
+      ->group(group);
+  app.add_option("--skip-rows", options.skip_rows,
+                 "lines at the beginning of the file to pass over")
+      ->type_name("N")
+      ->check(whole_number(0))
+      ->group(group);
+  app.add_option("--missing", options.missing,
+                 "what stands for 'no value', as -9999 or NA or '' (an empty\n"
+                 "cell); may be given again. Particles without a value in a\n"
+                 "column that is used are left out, and counted in a note")
+      ->type_name("TEXT")
+      ->allow_extra_args(false)
       ->group(group);
   app.add_option("--periodic", options.periodic,
                  "periodic axes: from-file (the boundary flags of LAMMPS),\n"
@@ -142,24 +252,20 @@ void add_input_options(CLI::App& app, InputOptions& options) {
       ->type_name("NAMES")
       ->group(group);
   app.add_option("--dimension", options.dimension,
-                 "2 or 3 (or 1), if not as detected: a z that is the same for\n"
-                 "all particles means 2-D; 2 leaves z out of account")
+                 "2 or 3 (or 1), if not as detected: a coordinate that is the\n"
+                 "same for all particles does not count; 2 leaves z out of\n"
+                 "account, 3 takes all")
       ->type_name("D")
       ->check(digit('1', '3'))
       ->group(group);
 }
 
-Particles read_input(const InputOptions& options) {
-  if (options.file.empty()) fail_usage("the file with the particles is missing");
-  Particles particles;
-  particles.table = with_exit_code(
-      wrong_input, [&] { return read_particles(options.file, {.frame = options.frame}); });
-  ParticleTable& table = particles.table;
-  if (table.size() == 0) fail_input(table.source + ": there are no particles");
-  choose_coordinates(options, table);
-  particles.dimension = choose_dimension(options, table);
+namespace {
+
+// Where the particles are, what is periodic, how dense they are.
+void measure(Particles& particles) {
+  const InputOptions& options = particles.options;
   const auto positions = with_exit_code(wrong_input, [&] { return particles.positions(); });
-  particles.axes = table.coordinates(particles.dimension);
   particles.extent = bounding_box(positions, "particles");
 
   const std::optional<Box<double>> bounds = read_bounds(options.bounds, particles.dimension);
@@ -169,38 +275,96 @@ Particles read_input(const InputOptions& options) {
     particles.extent.lower[d] = particles.domain.lower[d];
     particles.extent.upper[d] = particles.domain.upper[d];
   }
-  particles.mean_spacing = mean_spacing(particles);
+  particles.spacing = particles.box_spacing = box_spacing(particles);
+  // Where particles fill their box the two agree, up to what borders and chance do.
+  if (const double local = local_spacing(particles); local > 0 && local < 0.8 * particles.spacing)
+    particles.spacing = local;
   particles.region = bounds.value_or(particles.extent);
   particles.grid_domain = particles.domain;
   for (int d = 0; d < particles.dimension; ++d)
     if (particles.region.lower[d] != particles.extent.lower[d] ||
         particles.region.upper[d] != particles.extent.upper[d])
       particles.grid_domain.periodic[d] = false;
+}
+
+// Whether any particle went.
+bool drop_missing(ParticleTable& table, const std::vector<std::string>& columns) {
+  const bool some =
+      with_exit_code(wrong_input, [&] { return table.leave_out_missing(columns); }) > 0;
+  if (table.size() == 0)
+    fail_input(table.source + ": no particle has a value in " + enumeration(columns));
+  return some;
+}
+
+}  // namespace
+
+ReadOptions read_options(const InputOptions& options) {
+  return {.frame = options.frame,
+          .step = options.step,
+          .time = options.time,
+          .columns = split(options.columns),
+          .skip_rows = options.skip_rows,
+          .missing = options.missing};
+}
+
+Particles read_input(const InputOptions& options) {
+  if (options.file.empty()) fail_usage("the file with the particles is missing");
+  if (!options.more_files.empty())
+    fail_usage("too many arguments: '" + options.more_files.front() +
+               "' (only recon map takes several files; lists are written with commas and without "
+               "blanks, as in vx,vy,vz)");
+  if (!options.frames.empty())
+    fail_usage("--frame " + options.frames +
+               ": one frame is needed here; only recon map takes several");
+  return make_particles(
+      with_exit_code(wrong_input,
+                     [&] { return read_particles(options.file, read_options(options)); }),
+      options);
+}
+
+Particles make_particles(ParticleTable read, const InputOptions& options) {
+  Particles particles;
+  particles.options = options;
+  particles.table = std::move(read);
+  ParticleTable& table = particles.table;
+  if (table.size() == 0) fail_input(table.source + ": there are no particles");
+  keep_where(options, table);
+  choose_coordinates(options, table);
+  // A coordinate that is missing somewhere is no constant: without those particles it may be one.
+  drop_missing(table, with_exit_code(wrong_input, [&] { return table.coordinates(); }));
+  particles.dimension = choose_dimension(options, table);
+  particles.axes = table.coordinates(particles.dimension);
+  drop_missing(table, particles.axes);
+  for (const int axis : table.axes(particles.dimension)) particles.letters += axis_names[axis];
+  particles.left_out = find_left_out(table, particles.axes);
+  measure(particles);
   return particles;
 }
 
+void leave_out_missing(Particles& particles, const std::vector<std::string>& columns) {
+  if (drop_missing(particles.table, columns)) measure(particles);
+}
+
 double suggested_spacing(const Particles& particles) {
-  if (!(particles.mean_spacing > 0))
+  if (!(particles.spacing > 0))
     fail_usage("all particles are at one place, so no spacing can be suggested: say --spacing");
-  const double power = std::pow(10.0, std::floor(std::log10(particles.mean_spacing)));
+  const double wanted = std::max(particles.spacing, particles.box_spacing / 2);
+  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
   double best = power;
   for (const double step : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0})
-    if (std::abs(std::log(step * power / particles.mean_spacing)) <
-        std::abs(std::log(best / particles.mean_spacing)))
+    if (std::abs(std::log(step * power / wanted)) < std::abs(std::log(best / wanted)))
       best = step * power;
   return best;
 }
 
 double suggested_radius(const Particles& particles, int degree) {
-  if (!(particles.mean_spacing > 0))
+  if (!(particles.spacing > 0))
     fail_usage(
         "all particles are at one place, so no support can be suggested: say --radius or --k");
-  constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
-                                                        4 * std::numbers::pi / 3};
   const int terms = static_cast<int>(monomial_count(particles.dimension, degree));
   const double enough =
       std::pow((2 * terms + 1) / unit_ball[particles.dimension - 1], 1.0 / particles.dimension);
-  const double radius = particles.mean_spacing * std::max(2.0, enough);
+  const double radius = particles.spacing * std::max(2.0, enough);
   const double power = std::pow(10.0, std::floor(std::log10(radius)) - 1);
   return std::ceil(radius / power * (1 - 1e-9)) * power;  // two digits
 }
