@@ -47,8 +47,7 @@ recon::mpm::Simulation<2> fresh() {
 
 void two_steps(recon::mpm::Simulation<2>& simulation) {
   for (int s = 0; s < 2; ++s) {
-    simulation.map();
-    simulation.advance(simulation.choose_step().dt);
+    simulation.step(simulation.choose_step().dt);
   }
 }
 
