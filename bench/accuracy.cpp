@@ -18,7 +18,8 @@ std::vector<Section> run_accuracy(const Context& context) {
                            {"float and double", precision_study},
                            {"flattened clouds", flattening_study},
                            {"Tran et al., figures 4 and 5", tran_field_study},
-                           {"Tran et al., figure 6", tran_cost_study}};
+                           {"Tran et al., figure 6", tran_cost_study},
+                           {"values outside the data", outside_study}};
   std::vector<Section> sections;
   for (const Study& study : studies) {
     std::fprintf(stderr, "accuracy: %s ...", study.name);

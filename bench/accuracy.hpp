@@ -23,5 +23,6 @@ Section precision_study(const Context& context);   // float or double
 Section flattening_study(const Context& context);  // clouds that approach a plane
 Section tran_field_study(const Context& context);  // Tran et al. (2019), figures 4 and 5
 Section tran_cost_study(const Context& context);   // Tran et al. (2019), figure 6
+Section outside_study(const Context& context);     // values outside the range of the data
 
 }  // namespace recon_bench

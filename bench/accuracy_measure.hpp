@@ -88,8 +88,9 @@ class RowTally {
 // The rounding that a fit with this report may show; see tests/support/invariants.hpp.
 template <class Scalar>
 double allowed_residual(const recon::FitReport& report) {
-  const double loss =
-      report.solver == recon::Solver::moment_matrix ? 1 / static_cast<double>(report.rcond) : 1;
+  const double loss = report.solver == recon::Solver::moment_matrix
+                          ? 1 / static_cast<double>(report.smallest_pivot)
+                          : 1;
   return 8.0 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * (4 + report.rank) *
          std::max(1.0, static_cast<double>(report.amplification)) * loss;
 }

@@ -56,7 +56,8 @@ double compare_neighbours(const recon::NeighbourList<Scalar>& ours,
 }
 
 // Values at targets whose fit has the full degree. The tolerance is rounding times the condition of
-// the moment matrix (1 / rcond bounds it from below, hence the factor) times the amplification.
+// the moment matrix (1 / smallest_pivot bounds it from below, hence the factor) times the
+// amplification.
 template <class Scalar, class Ours, class Theirs>
 double compare_values(const Ours& ours, const Theirs& theirs, const recon::FitReports& reports,
                       int terms) {
@@ -68,7 +69,8 @@ double compare_values(const Ours& ours, const Theirs& theirs, const recon::FitRe
     if (report.status != recon::FitStatus::full) continue;
     const double difference =
         std::abs(static_cast<double>(ours[t]) - static_cast<double>(theirs[t]));
-    const double tolerance = margin * terms * rounding / static_cast<double>(report.rcond) *
+    const double tolerance = margin * terms * rounding /
+                             static_cast<double>(report.smallest_pivot) *
                              std::max(1.0, static_cast<double>(report.amplification));
     worst = std::isfinite(difference) ? std::max(worst, difference / tolerance) : differs_in_kind;
   }

@@ -36,7 +36,7 @@ double worst_error(const GridWorkload<Scalar>& workload, int components,
           std::abs(static_cast<double>(fit.values()(static_cast<Eigen::Index>(i), c)) - exact);
       const double tolerance = margin * terms(3, 1) * rounding * std::max(1.0, std::abs(exact)) *
                                std::max(1.0f, fit.report()[i].amplification) /
-                               static_cast<double>(fit.report()[i].rcond);
+                               static_cast<double>(fit.report()[i].smallest_pivot);
       worst = std::isfinite(difference) ? std::max(worst, difference / tolerance) : 1e300;
     }
   }
@@ -65,7 +65,7 @@ double worst_against_reconstruct(const GridSetting& setting, std::size_t cells, 
       const double difference = std::abs(values(row, c) - fit.values()(row, c));
       const double tolerance = 1000 * std::numeric_limits<double>::epsilon() *
                                std::max(1.0, std::abs(values(row, c))) /
-                               static_cast<double>(reference.report()[i].rcond);
+                               static_cast<double>(reference.report()[i].smallest_pivot);
       worst = std::isfinite(difference) ? std::max(worst, difference / tolerance) : 1e300;
     }
   }

@@ -1,9 +1,13 @@
 #include "recon/fields/particle_table.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <limits>
+#include <sstream>
 
 #include "recon/core/names.hpp"
+#include "recon/fields/utf8.hpp"
 
 namespace recon {
 
@@ -28,6 +32,42 @@ bool is_constant(const std::vector<double>& values) {
                                            [&](double value) { return value == values.front(); });
 }
 
+std::string of(const std::string& source) {
+  return source.empty() ? "" : " of " + source;
+}
+
+// "b = (1.5, 6, 0)".
+std::string edge_text(const SimulationCell& cell, int edge) {
+  std::string text = std::string(1, "abc"[edge]) + " = (";
+  for (int d = 0; d < max_dimension; ++d) {
+    std::ostringstream number;
+    number << cell.edges[edge][d];
+    text += (d > 0 ? ", " : "") + number.str();
+  }
+  return text + ")";
+}
+
+// Text from a file in a message: in quotes, cut to a bearable length.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t most = 60;
+  std::string plain = to_utf8(text.substr(0, most));
+  for (char& c : plain)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  return "'" + plain + (text.size() > most ? "...'" : "'");
+}
+
+// What is wrong with a cell that is no number.
+std::string rule_for(std::string_view text) {
+  if (text.empty()) return "is an empty cell, and a number is needed where the column is used";
+  if (text.find_first_not_of("0123456789.eE+-") == std::string_view::npos &&
+      text.find_first_of("0123456789") != std::string_view::npos)
+    return "is no number that double can hold";
+  std::string rule = "is not a number, and one is needed where the column is used";
+  if (text.find(',') != std::string_view::npos)
+    rule += "; numbers are written with a decimal point, 1.5 and not 1,5";
+  return rule;
+}
+
 void require_dimension(int dimension) {
   require(dimension >= 0 && dimension <= max_dimension, "dimension", dimension,
           "must be 1, 2 or 3, or 0 to detect it");
@@ -35,65 +75,188 @@ void require_dimension(int dimension) {
 
 }  // namespace
 
-std::size_t ParticleTable::find(std::string_view name) const {
-  return static_cast<std::size_t>(std::find(names_.begin(), names_.end(), name) - names_.begin());
+bool ParticleTable::Column::is_numbers() const {
+  if (repeated) return false;
+  for (std::size_t cell = 0; cell < texts.size(); ++cell)
+    if (!texts.text(cell).empty()) return false;
+  return true;
 }
 
-bool ParticleTable::has(std::string_view name) const {
-  return find(name) < names_.size();
+const ParticleTable::Column& ParticleTable::find(std::string_view name) const {
+  const auto found = columns_by_name_.find(name);
+  if (found == columns_by_name_.end())
+    detail::throw_invalid("column", name,
+                          names_.empty() ? "the table has no columns of numbers"
+                                         : "there is no such column; " + suggest(name, names_));
+  const Column& column = columns_[found->second];
+  if (!column.repeated) return column;
+  std::string places;
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    if (columns_[i].name == name) places += (places.empty() ? "" : ", ") + std::to_string(i + 1);
+  detail::throw_invalid("column", name,
+                        "is the name of several columns" + of(source) + " (numbers " + places +
+                            "): each needs its own to be used");
 }
 
 void ParticleTable::add_column(std::string name, std::vector<double> values) {
-  require(!name.empty(), "name of a column", "''", "must not be empty");
   require(!has(name), "name of a column", name, "must be used only once");
-  if (!columns_.empty() && values.size() != size())
-    detail::throw_invalid("number of values of column " + name, values.size(),
+  add(ReadColumn{std::move(name), std::move(values), {}});
+  names_.push_back(columns_.back().name);
+}
+
+void ParticleTable::add_read_columns(std::vector<ReadColumn> columns) {
+  for (ReadColumn& column : columns) add(std::move(column));
+  update_names();
+}
+
+void ParticleTable::add(ReadColumn column) {
+  require(!column.name.empty(), "name of a column", "''", "must not be empty");
+  if (!columns_.empty() && column.values.size() != size())
+    detail::throw_invalid("number of values of column " + column.name, column.values.size(),
                           "must be that of the other columns, " + std::to_string(size()));
-  columns_.push_back(std::move(values));
-  names_.push_back(std::move(name));
+  require(column.values.size() < std::numeric_limits<std::uint32_t>::max(), "number of rows",
+          column.values.size(), "must be below 2^32 - 1");
+  const auto [place, is_new] = columns_by_name_.emplace(column.name, columns_.size());
+  if (!is_new) columns_[place->second].repeated = true;
+  columns_.push_back({std::move(column), {}, !is_new});
+}
+
+void ParticleTable::update_names() {
+  names_.clear();
+  for (const Column& column : columns_)
+    if (column.is_numbers()) names_.push_back(column.name);
+}
+
+std::vector<std::string> ParticleTable::text_columns() const {
+  std::vector<std::string> names;
+  for (const Column& column : columns_)
+    if (!column.repeated && !column.is_numbers()) names.push_back(column.name);
+  return names;
+}
+
+std::string ParticleTable::describe_text(std::string_view name) const {
+  const Column& column = find(name);
+  for (std::size_t cell = 0; cell < column.texts.size(); ++cell) {
+    if (column.texts.text(cell).empty()) continue;
+    const std::uint32_t row = column.texts.row(cell);
+    return quoted(column.texts.text(cell)) +
+           (row < lines_.size() ? " on line " + std::to_string(lines_[row]) : "");
+  }
+  return "";
+}
+
+std::vector<std::string> ParticleTable::repeated_names() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    if (columns_[i].repeated && columns_by_name_.find(columns_[i].name)->second == i)
+      names.push_back(columns_[i].name);
+  return names;
 }
 
 const std::vector<double>& ParticleTable::raw_column(std::string_view name) const {
-  const std::size_t column = find(name);
-  if (column < names_.size()) return columns_[column];
-  for (const TextColumn& text : text_columns_) {
-    if (text.name != name) continue;
-    std::string rule = "holds text ('" + text.example + "' on line " + std::to_string(text.line) +
-                       "), a column of numbers is needed";
-    if (text.example.find(',') != std::string::npos)
-      rule += "; numbers are written with a decimal point, 1.5 and not 1,5";
-    detail::throw_invalid("column", name, rule);
-  }
-  detail::throw_invalid("column", name,
-                        names_.empty() ? "the table has no columns of numbers"
-                                       : "there is no such column; " + suggest(name, names_));
+  return find(name).values;
 }
 
 const std::vector<double>& ParticleTable::column(std::string_view name) const {
-  const std::vector<double>& values = raw_column(name);
-  require_finite(find(name));
-  return values;
+  const Column& column = find(name);
+  require_finite(column);
+  return column.values;
 }
 
-void ParticleTable::require_finite(std::size_t column) const {
-  const std::vector<double>& values = columns_[column];
-  for (std::size_t row = 0; row < values.size(); ++row) {
-    if (std::isfinite(values[row])) continue;
-    const std::string where = source.empty() ? "" : " of " + source;
-    detail::throw_invalid(
-        "column " + names_[column] + ", " + describe_row(row) + where, values[row],
-        "must be a finite number where the column is used (an empty cell is NaN)");
-  }
+void ParticleTable::require_finite(const Column& column) const {
+  const std::vector<double>& values = column.values;
+  const auto bad = std::find_if(values.begin(), values.end(),
+                                [](double value) { return !std::isfinite(value); });
+  if (bad == values.end()) return;
+  const auto row = static_cast<std::uint32_t>(bad - values.begin());
+  const std::string where = "column " + column.name + ", " + describe_row(row) + of(source);
+  if (const std::optional<std::string_view> text = column.texts.at(row))
+    detail::throw_invalid(where, quoted(*text), rule_for(*text));
+  if (std::binary_search(column.missing.begin(), column.missing.end(), row))
+    detail::throw_invalid(where, "missing", "a particle without a value must be left out");
+  detail::throw_invalid(where, *bad, "must be a finite number where the column is used");
 }
 
 std::string ParticleTable::describe_row(std::size_t row) const {
   std::string text = "row " + std::to_string(row), known;
-  const std::size_t id = find("id");
-  if (id < names_.size() && row < size() && std::isfinite(columns_[id][row]))
-    known = "id " + detail::to_text(columns_[id][row]);
+  const auto id = columns_by_name_.find("id");
+  if (id != columns_by_name_.end() && row < size()) {
+    const double number = columns_[id->second].values[row];
+    if (std::isfinite(number)) known = "id " + detail::to_text(number);
+  }
   if (row < lines_.size())
     known += (known.empty() ? "line " : ", line ") + std::to_string(lines_[row]);
   return known.empty() ? text : text + " (" + known + ")";
+}
+
+void ParticleTable::keep_rows(const std::vector<bool>& kept) {
+  require(kept.size() == size(), "number of rows to keep or not", kept.size(),
+          "must be that of the rows");
+  const auto keep = [&](auto& values) {
+    std::size_t next = 0;
+    for (std::size_t row = 0; row < values.size(); ++row)
+      if (kept[row]) values[next++] = values[row];
+    values.resize(next);
+  };
+  std::vector<std::uint32_t> new_rows(kept.size());
+  for (std::size_t row = 0, next = 0; row < kept.size(); ++row) {
+    new_rows[row] = static_cast<std::uint32_t>(next);
+    next += kept[row] ? 1 : 0;
+  }
+  for (Column& column : columns_) {
+    keep(column.values);
+    column.texts.keep_rows(kept);
+    std::erase_if(column.missing, [&](std::uint32_t row) { return !kept[row]; });
+    for (std::uint32_t& row : column.missing) row = new_rows[row];
+  }
+  keep(lines_);
+  update_names();
+}
+
+void ParticleTable::declare_missing(std::string_view marker) {
+  double number = 0;
+  const std::string_view figures = marker.substr(marker.starts_with('+') ? 1 : 0);
+  const auto parsed = std::from_chars(figures.data(), figures.data() + figures.size(), number);
+  const bool is_number =
+      !figures.empty() && parsed.ec == std::errc() && parsed.ptr == figures.data() + figures.size();
+  const auto is_marked = [&](double value) {
+    return value == number || (std::isnan(value) && std::isnan(number));
+  };
+  for (Column& column : columns_) {
+    std::vector<std::uint32_t> found;
+    column.texts.erase_if([&](std::uint32_t row, std::string_view text) {
+      if (text == marker) found.push_back(row);
+      return text == marker;
+    });
+    for (std::uint32_t row = 0; is_number && row < column.values.size(); ++row)
+      if (is_marked(column.values[row]) && !column.texts.at(row)) found.push_back(row);
+    for (const std::uint32_t row : found)
+      column.values[row] = std::numeric_limits<double>::quiet_NaN();
+    column.missing.insert(column.missing.end(), found.begin(), found.end());
+    std::sort(column.missing.begin(), column.missing.end());
+    column.missing.erase(std::unique(column.missing.begin(), column.missing.end()),
+                         column.missing.end());
+  }
+  update_names();
+}
+
+std::size_t ParticleTable::leave_out_missing(const std::vector<std::string>& columns) {
+  std::vector<bool> kept(size(), true);
+  std::size_t count = 0;
+  std::string names;
+  for (const std::string& name : columns) {
+    const Column& column = find(name);
+    if (!column.missing.empty()) names += (names.empty() ? "" : ", ") + name;
+    for (const std::uint32_t row : column.missing) {
+      count += kept[row] ? 1 : 0;
+      kept[row] = false;
+    }
+  }
+  if (count == 0) return 0;
+  remarks.push_back("left out, without a value in " + names + ": " + std::to_string(count) +
+                    " of " + std::to_string(size()) + " particles");
+  keep_rows(kept);
+  return count;
 }
 
 NamedField ParticleTable::field(std::string name, const std::vector<std::string>& columns) const {
@@ -126,8 +289,6 @@ std::vector<std::string> ParticleTable::detected_coordinates() const {
       if (found[d].empty() && has(name)) found[d] = name;
   if (found[0].empty() || (found[1].empty() && !found[2].empty())) {
     const std::string axis = found[0].empty() ? "x" : "y";
-    for (const TextColumn& text : text_columns_)
-      if (text.name == axis) raw_column(axis);  // throws: says that it holds text
     std::string names;
     for (const std::string& name : names_) names += (names.empty() ? "" : ", ") + name;
     detail::throw_invalid("coordinate column " + axis, "not found",
@@ -176,7 +337,56 @@ void ParticleTable::set_box(const Box<double>& box, std::array<bool, max_dimensi
         "extent of the simulation box", box.extent(d), "must be finite and not negative");
   PeriodicDomain<double>{box.lower, box.upper, periodic}.validate(box.dimension);
   box_ = box;
+  cell_.reset();
+  periods_ = {box.lower, box.upper, {}};
+  for (int d = 0; d < box.dimension; ++d) periods_.periodic[d] = box.extent(d) > 0;
   periodic_ = periodic;
+}
+
+void ParticleTable::set_cell(const SimulationCell& cell, std::array<bool, max_dimension> periodic) {
+  Box<double> around = Box<double>::empty(max_dimension);
+  PeriodicDomain<double> periods;
+  std::array<bool, max_dimension> along{};  // the axis is periodic
+  bool all_along = true;
+  std::string left_out;
+  for (int d = 0; d < max_dimension; ++d) around.lower[d] = around.upper[d] = cell.origin[d];
+  for (int e = 0; e < max_dimension; ++e) {
+    const std::array<double, max_dimension>& edge = cell.edges[e];
+    const double length = std::hypot(edge[0], edge[1], edge[2]);
+    require(std::isfinite(length) && (length > 0 || !periodic[e]), "edge of the simulation cell",
+            length, "must be finite, and not 0 where the cell is periodic");
+    bool parallel = false;
+    for (int d = 0; d < max_dimension; ++d) {
+      (edge[d] < 0 ? around.lower : around.upper)[d] += edge[d];
+      if (length == 0 || std::abs(edge[d]) < length * (1 - 1e-13)) continue;
+      if (std::hypot(edge[(d + 1) % 3], edge[(d + 2) % 3]) > 1e-12 * length) continue;
+      parallel = true;
+      periods.periodic[d] = true;
+      periods.lower[d] = cell.origin[d] + std::min(edge[d], 0.0);
+      periods.upper[d] = cell.origin[d] + std::max(edge[d], 0.0);
+      along[d] = periodic[e];
+    }
+    all_along = all_along && parallel;
+    if (!parallel && periodic[e]) left_out += (left_out.empty() ? "" : ", ") + edge_text(cell, e);
+  }
+  set_box(around, {});
+  periods_ = periods;
+  periodic_ = along;
+  if (!all_along) cell_ = cell;
+  if (!left_out.empty())
+    remarks.push_back("the box is triclinic; its periods along " + left_out +
+                      " are left out, as only periods along the axes are searched");
+}
+
+std::string ParticleTable::why_not_periodic(int axis, int dimension) const {
+  const PeriodicDomain<double> possible = possible_domain(dimension);
+  require(axis >= 0 && axis < max_dimension, "axis", axis, "must be 0, 1 or 2");
+  if (possible.periodic[axis]) return "";
+  if (!box_) return "the source tells no box";
+  if (!cell_) return "the box has no extent there";
+  const int of_source = box_axes(dimension)[static_cast<std::size_t>(axis)];
+  return "the box is triclinic, its edge " + edge_text(*cell_, of_source) +
+         " is not along the axis, and only periods along the axes are searched";
 }
 
 // Axes of the source's box that the coordinates lie along.
@@ -203,13 +413,21 @@ Box<double> ParticleTable::box(int dimension) const {
 }
 
 PeriodicDomain<double> ParticleTable::domain(int dimension) const {
+  PeriodicDomain<double> domain = possible_domain(dimension);
+  if (!box_) return domain;
+  const std::vector<int> axes = box_axes(dimension);
+  for (std::size_t d = 0; d < axes.size(); ++d) domain.periodic[d] = periodic_[axes[d]];
+  return domain;
+}
+
+PeriodicDomain<double> ParticleTable::possible_domain(int dimension) const {
   PeriodicDomain<double> domain;
   if (!box_) return domain;
   const std::vector<int> axes = box_axes(dimension);
   for (std::size_t d = 0; d < axes.size(); ++d) {
-    domain.lower[d] = box_->lower[axes[d]];
-    domain.upper[d] = box_->upper[axes[d]];
-    domain.periodic[d] = periodic_[axes[d]];
+    domain.lower[d] = periods_.lower[axes[d]];
+    domain.upper[d] = periods_.upper[axes[d]];
+    domain.periodic[d] = periods_.periodic[axes[d]];
   }
   return domain;
 }
@@ -218,16 +436,6 @@ void ParticleTable::set_lines(std::vector<std::size_t> lines) {
   require(lines.empty() || lines.size() == size(), "number of line numbers", lines.size(),
           "must be one per row");
   lines_ = std::move(lines);
-}
-
-void ParticleTable::add_text_column(std::string name, std::string example, std::size_t line) {
-  text_columns_.push_back({std::move(name), std::move(example), line});
-}
-
-std::vector<std::string> ParticleTable::text_columns() const {
-  std::vector<std::string> names;
-  for (const TextColumn& text : text_columns_) names.push_back(text.name);
-  return names;
 }
 
 }  // namespace recon

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <string>
 
 #include "grid/node_fit.hpp"
+#include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/gram_schmidt.hpp"
 #include "recon/shape/stencil.hpp"
 
@@ -24,8 +27,8 @@ class ParticleFit {
   void fit(std::size_t node) {
     find(node);
     weigh(node);
-    LocalCloud<Scalar, D> cloud = stencil_.cloud();
-    cloud.w = w_.data();
+    const LocalCloud<Scalar, D> cloud = stencil_.cloud();
+    count_ = cloud.size;
     FitReport& report = fits_.reports[node] = solve_.fit(cloud);
     if (report.rank == 0) return;
     phi_.resize(static_cast<std::size_t>(cloud.size) * (1 + D));
@@ -36,10 +39,12 @@ class ParticleFit {
     int column = 0;
     for (const auto& field : particles_.fields)
       for (int c = 0; c < field.components(); ++c, ++column) {
-        fits_.values(at, column) = sum(field, c, phi_.data());
+        fits_.values(at, column) = checked(sum(field, c, phi_.data()), "value", column, node);
         for (int d = 0; d < D && plan_.options.gradients; ++d)
-          fits_.gradients(at, column * D + d) = sum(field, c, phi_.data() + (1 + d) * cloud.size) /
-                                                static_cast<Scalar>(plan_.axes[d].rho);
+          fits_.gradients(at, column * D + d) =
+              checked(sum(field, c, phi_.data() + (1 + d) * cloud.size) /
+                          static_cast<Scalar>(plan_.axes[d].rho),
+                      "gradient", column, node);
       }
   }
 
@@ -76,24 +81,28 @@ class ParticleFit {
       for (std::size_t i = 0; i < found_.size(); ++i)
         offsets[i] = (particles_.points(found_[i], d) - here) * inverse[d];
     }
+    if (particles_.weights.size() > 0) {
+      Scalar* weights = stencil_.particle_weights();
+      for (std::size_t i = 0; i < found_.size(); ++i) weights[i] = mass(found_[i]);
+    }
     stencil_.weigh(plan_.options.weight, plan_.options.form, false);
-    const LocalCloud<Scalar, D> cloud = stencil_.cloud();
-    Scalar largest = 0;
-    w_.resize(static_cast<std::size_t>(cloud.size));
-    for (int i = 0; i < cloud.size; ++i)
-      largest = std::max(largest, mass(found_[stencil_.place(i)]));
-    for (int i = 0; i < cloud.size; ++i)
-      w_[i] = cloud.w[i] * (mass(found_[stencil_.place(i)]) / largest);
   }
 
   Scalar mass(std::uint32_t p) const {
     return particles_.weights.size() > 0 ? particles_.weights(p, 0) : Scalar(1);
   }
   Scalar sum(const FieldView<Scalar>& field, int component, const Scalar* phi) const {
-    Scalar total = 0;
-    for (std::size_t i = 0; i < w_.size(); ++i)
-      total += phi[i] * field(found_[stencil_.place(static_cast<int>(i))], component);
-    return total;
+    const auto u = [&](int i) { return field(found_[stencil_.place(i)], component); };
+    const Scalar total = detail::sum_of<Scalar>(count_, [&](int i) { return phi[i] * u(i); });
+    if (std::isfinite(total)) [[likely]]
+      return total;
+    return detail::scaled_sum_of_products<Scalar>(
+        count_, [&](int i) { return phi[i]; }, u);
+  }
+  static Scalar checked(Scalar result, const char* what, int component, std::size_t node) {
+    if (!std::isfinite(result)) [[unlikely]]
+      throw_overflow(result, what, component, node);
+    return result;
   }
 
   const ParticleData<Scalar>& particles_;
@@ -103,7 +112,8 @@ class ParticleFit {
   GramSchmidt<Scalar, Monomials<D, R>> solve_;
   Stencil<Scalar, D> stencil_;
   std::vector<std::uint32_t> found_;
-  std::vector<Scalar> w_, phi_;
+  std::vector<Scalar> phi_;
+  int count_ = 0;
 };
 
 }  // namespace

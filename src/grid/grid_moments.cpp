@@ -29,6 +29,8 @@ BasicGridMoments<Scalar>::BasicGridMoments(const PointsView<Scalar>& points,
                                            const StructuredGrid<Scalar>& grid,
                                            const GridOptions& options,
                                            const FieldView<Scalar>& particle_weights) {
+  require(options.limit == Limit::none, "limit", "range",
+          "must be none for moments: the range of the data is not among them");
   const ParticleData<Scalar> particles{points, fields, particle_weights};
   const auto plan = std::make_shared<const GridPlan<Scalar>>(grid, options, particles.components());
   plan_ = plan;

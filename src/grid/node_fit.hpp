@@ -1,8 +1,11 @@
 // From the moments of nodes to values, gradients and reports.
 #pragma once
 
+#include <string>
+
 #include "grid/aligned_array.hpp"
 #include "grid/sweep.hpp"
+#include "recon/core/error.hpp"
 #include "recon/grid/reconstruct_on_grid.hpp"
 
 namespace recon {
@@ -18,8 +21,8 @@ struct NodeFits {
   std::vector<std::size_t> unsafe() const;
 };
 
-// Solves a row of nodes by the moment matrix; one object per thread. Nodes where it is not safe are
-// marked.
+// Solves a row of nodes by the moment matrix; one object per thread. Nodes where it is not safe, or
+// sums have left the range of numbers, are marked.
 template <class Scalar>
 class RowSolver {
  public:
@@ -28,7 +31,8 @@ class RowSolver {
 
  private:
   void set_noise(const FinishedRow<Scalar>& row);
-  void take(std::size_t node, const Scalar* out, std::size_t count, bool any);
+  void take(std::size_t node, const Scalar* out, std::size_t count, Scalar weight_sum);
+  bool in_range(const Scalar* out, Scalar weight_sum) const;
 
   const GridPlan<Scalar>& plan_;
   LaneLayout lanes_;
@@ -44,10 +48,23 @@ void fit_from_particles(const ParticleData<Scalar>& particles, const ParticleBin
                         const GridPlan<Scalar>& plan, const std::vector<std::size_t>& nodes,
                         NodeFits<Scalar>& fits);
 
+// Brings values of nodes back into the range of the data in their supports (operators/limit.hpp).
+template <class Scalar>
+LimitCount limit_nodes(const ParticleData<Scalar>& particles, const ParticleBins& bins,
+                       const GridPlan<Scalar>& plan, NodeFits<Scalar>& fits);
+
 // Fits nodes from moments ([node][quantity]), with the highest degree at which that is safe.
 template <class Scalar>
 void fit_reduced(const Scalar* moments, const GridPlan<Scalar>& plan,
                  const std::vector<std::size_t>& nodes, NodeFits<Scalar>& fits);
+
+// For finite data whose result is too large for the precision.
+template <class Scalar>
+[[noreturn]] void throw_overflow(Scalar result, const char* what, int component, std::size_t node) {
+  detail::throw_invalid(std::string(what) + " of component " + std::to_string(component) +
+                            " at node " + std::to_string(node),
+                        result, "overflows: the data, or the inverse of a support, are too large");
+}
 
 // Rounding of (x_p - x_i) / rho at a node.
 template <class Scalar>

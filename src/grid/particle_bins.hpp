@@ -19,6 +19,8 @@ struct ParticleData {
   PointsView<Scalar> points;
   std::vector<FieldView<Scalar>> fields;
   FieldView<Scalar> weights;
+  // Multiplies them: a power of two that brings the largest to the order of one.
+  Scalar weight_scale = 1;
 
   int components() const {
     int sum = 0;

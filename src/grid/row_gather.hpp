@@ -55,6 +55,9 @@ class RowGather {
     return true;
   }
 
+  // Does another portion follow?
+  bool more() const { return !left_.empty(); }
+
   const std::uint32_t* begin() const { return begin_.data(); }
   const Scalar* slots() const { return slots_.data(); }
 
@@ -119,7 +122,9 @@ class RowGather {
       });
     }
     if (particles_.weights.size() > 0)
-      fill([&](std::size_t i) { return particles_.weights(particle_[i], 0); });
+      fill([&](std::size_t i) {
+        return particles_.weights(particle_[i], 0) * particles_.weight_scale;
+      });
     else
       fill([](std::size_t) { return Scalar(1); });
     for (const Column column : columns_)

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include "grid/node_fit.hpp"
 #include "recon/basis/monomials.hpp"
@@ -71,22 +72,37 @@ void RowSolver<Scalar>::operator()(const FinishedRow<Scalar>& row) {
     const std::size_t entry = lanes_.entry(i), lane = lanes_.lane(i);
     const Scalar* moments = row.moments + entry * quantities * lanes + lane;
     take(first + static_cast<std::size_t>(i), out_.data() + entry * out_size_ * lanes + lane,
-         static_cast<std::size_t>(moments[0]), moments[lanes] > 0);
+         static_cast<std::size_t>(moments[0]), moments[lanes]);
   }
 }
 
-// count: neighbours; any: is there any weight at all.
+// Have sums and results neither overflowed nor become so small that they lost digits?
 template <class Scalar>
-void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t count, bool any) {
+bool RowSolver<Scalar>::in_range(const Scalar* out, Scalar weight_sum) const {
+  using Limits = std::numeric_limits<Scalar>;
+  const auto lanes = static_cast<std::size_t>(lanes_.lanes);
+  if (!(weight_sum >= Limits::min() / Limits::epsilon() && weight_sum <= Limits::max()))
+    return false;
+  Scalar sum = 0;  // of x - x, which is NaN for what is not finite
+  for (std::size_t i = NodeRow<Scalar>::head; i < out_size_; ++i)
+    sum += out[i * lanes] - out[i * lanes];
+  return sum == 0;
+}
+
+// count: neighbours.
+template <class Scalar>
+void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t count,
+                             Scalar weight_sum) {
   const auto lanes = static_cast<std::size_t>(lanes_.lanes);
   const auto at = static_cast<Eigen::Index>(node);
   FitReport& report = fits_.reports[node];
   const int dimension = plan_.options.gradients ? plan_.dimension() : 0;
-  if (out[0] != 0) {
+  if (out[0] != 0 && in_range(out, weight_sum)) {
     report = full_;
     report.neighbours = static_cast<std::uint32_t>(count);
-    report.rcond = static_cast<float>(out[lanes]);
+    report.smallest_pivot = static_cast<float>(out[lanes]);
     report.amplification = static_cast<float>(out[2 * lanes]);
+    report.gradient_amplification = static_cast<float>(out[3 * lanes]);
     out += NodeRow<Scalar>::head * lanes;
     for (int c = 0; c < plan_.components; ++c) {
       fits_.values(at, c) = *out;
@@ -97,7 +113,7 @@ void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t co
     return;
   }
   report = {};
-  if (any) report.degree = not_safe;
+  if (!(weight_sum <= 0)) report.degree = not_safe;
   const auto fill = static_cast<Scalar>(plan_.options.fill_value);
   for (int c = 0; c < plan_.components; ++c) fits_.values(at, c) = fill;
   for (int c = 0; c < plan_.components * dimension; ++c) fits_.gradients(at, c) = fill;

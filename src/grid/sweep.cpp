@@ -74,6 +74,7 @@ class TileSweep {
       if (complete < begin_[2]) continue;
       for (std::int64_t j = begin_[1]; j < end_[1]; ++j) {
         Scalar* row = row_of(j, complete);
+        if (carries(row)) take_carried(row);
         merge_lanes(row);
         done({begin_[0], end_[0] - begin_[0], j, complete, row});
         std::fill_n(row, row_size_, Scalar(0));
@@ -82,6 +83,7 @@ class TileSweep {
   }
 
  private:
+  // Where row (j, k) of nodes stands.
   Scalar* row_of(std::int64_t j, std::int64_t k) {
     return moments_.data() + row_size_ * static_cast<std::size_t>(
                                              (k % n_[2]) * (end_[1] - begin_[1]) + j - begin_[1]);
@@ -110,7 +112,37 @@ class TileSweep {
       row.begin = gather_.begin();
       row.particles = gather_.slots();
       plan_.kernel.add(row);
+      if (gather_.more()) carry();
     }
+  }
+
+  // Sums of very many particles: after each portion of a long row of cells but the last, what the
+  // nodes have got goes over to sums in double. Where there is one portion only, there are none.
+  void carry() {
+    if (carried_.empty()) {
+      carried_.resize(row_size_ * static_cast<std::size_t>(n_[2] * (end_[1] - begin_[1])));
+      carries_.resize(carried_.size() / row_size_);
+    }
+    for (Scalar* row : rows_) {
+      if (!row) continue;
+      const auto at = static_cast<std::size_t>(row - moments_.data());
+      carries_[at / row_size_] = true;
+      double* to = carried_.data() + at;
+      for (std::size_t i = 0; i < row_size_; ++i) to[i] += static_cast<double>(row[i]);
+      std::fill_n(row, row_size_, Scalar(0));
+    }
+  }
+  bool carries(const Scalar* row) const {
+    return !carries_.empty() &&
+           carries_[static_cast<std::size_t>(row - moments_.data()) / row_size_];
+  }
+  void take_carried(Scalar* row) {
+    const auto at = static_cast<std::size_t>(row - moments_.data());
+    carries_[at / row_size_] = false;
+    double* from = carried_.data() + at;
+    for (std::size_t i = 0; i < row_size_; ++i)
+      row[i] = static_cast<Scalar>(from[i] + static_cast<double>(row[i]));
+    std::fill_n(from, row_size_, 0.0);
   }
 
   // Entry (g >= G, l) is the node (g - G, l + 1); from the last, for stencils wider than a segment.
@@ -133,6 +165,8 @@ class TileSweep {
   std::size_t row_size_;
   AlignedArray<Scalar> moments_, work_;
   std::vector<Scalar*> rows_;
+  std::vector<double> carried_;  // laid out as moments_; empty until needed
+  std::vector<bool> carries_;    // which rows have something there
 };
 
 }  // namespace

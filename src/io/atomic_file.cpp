@@ -1,12 +1,14 @@
 #include "recon/io/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 namespace recon {
 
@@ -22,9 +24,25 @@ std::string unique_name() {
   return ".recon-" + std::to_string(getpid()) + "-" + std::to_string(count++) + ".part";
 }
 
+// While it lives, signals that end a process wait.
+class SignalsWait {
+ public:
+  SignalsWait() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~SignalsWait() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
 }  // namespace
 
-AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target) {
+AtomicFile::AtomicFile(const fs::path& target, bool named) : asked_(target), target_(target) {
   std::error_code ignored;
   if (target.filename().empty()) throw FileError(asked_, 0, "a file name is needed");
   if (fs::is_symlink(target, ignored)) target_ = fs::weakly_canonical(target, ignored);
@@ -40,11 +58,21 @@ AtomicFile::AtomicFile(const fs::path& target) : asked_(target), target_(target)
   if (replaces && access(target_.c_str(), W_OK) != 0)
     throw FileError(asked_, 0, "the file is write-protected");
 
-  do {
+  if (!named) {
+    descriptor_ = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    temporary_ = "/proc/self/fd/" + std::to_string(descriptor_);
+    if (descriptor_ >= 0 && !fs::exists(temporary_, ignored)) {  // no /proc, so no way to a name
+      close(descriptor_);
+      descriptor_ = -1;
+    }
+  }
+  named_ = descriptor_ < 0;
+  while (descriptor_ < 0) {
     temporary_ = directory / unique_name();
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (descriptor_ < 0 && errno == EEXIST);
-  if (descriptor_ < 0) fail("cannot create a file in " + directory.string(), errno);
+    descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST)
+      fail("cannot create a file in " + directory.string(), errno);
+  }
   if (replaces && fchmod(descriptor_, old.st_mode & 07777) != 0)
     fail("cannot keep the permissions", errno);
 }
@@ -56,7 +84,7 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::discard() noexcept {
   if (descriptor_ < 0) return;
   close(descriptor_);
-  unlink(temporary_.c_str());
+  if (named_) unlink(temporary_.c_str());
   descriptor_ = -1;
 }
 
@@ -81,18 +109,36 @@ void AtomicFile::flush() {
   buffer_.clear();
 }
 
+bool AtomicFile::put_in_place() noexcept {
+  if (named_) return rename(temporary_.c_str(), target_.c_str()) == 0;
+  const auto link_as = [&](const fs::path& name) {
+    return linkat(AT_FDCWD, temporary_.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  if (link_as(target_)) return true;
+  if (errno != EEXIST) return false;
+  // A link replaces nothing, a rename does: the file has another name for a moment.
+  const SignalsWait wait;
+  fs::path passing;
+  do {
+    passing = target_.parent_path() / unique_name();
+    if (link_as(passing)) {
+      if (rename(passing.c_str(), target_.c_str()) == 0) return true;
+      const int error = errno;
+      unlink(passing.c_str());
+      errno = error;
+      return false;
+    }
+  } while (errno == EEXIST);
+  return false;
+}
+
 void AtomicFile::commit() {
   flush();
   if (fsync(descriptor_) != 0 && errno != EINVAL) fail("cannot write", errno);
-  const int descriptor = descriptor_;
-  descriptor_ = -1;
-  const bool closed = close(descriptor) == 0;
-  if (closed && rename(temporary_.c_str(), target_.c_str()) == 0) return;
-  const int error = errno;
-  unlink(temporary_.c_str());
-  throw FileError(asked_, 0,
-                  (closed ? "cannot put the file in place: " : "cannot write: ") +
-                      std::generic_category().message(error));
+  if (!put_in_place()) fail("cannot put the file in place", errno);
+  const int descriptor = std::exchange(descriptor_, -1);
+  if (close(descriptor) != 0 && errno != EINTR)
+    throw FileError(asked_, 0, "cannot write: " + std::generic_category().message(errno));
 }
 
 }  // namespace recon

@@ -1,91 +1,66 @@
 #include "column_parser.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 namespace recon::detail {
 
 namespace {
 
-constexpr std::array<std::string_view, 18> always_numbers{
-    "id", "x",  "y",  "z",  "X",   "Y",   "Z",   "xs",       "ys",
-    "zs", "xu", "yu", "zu", "xsu", "ysu", "zsu", "Points:0", "Points:1"};
-
-bool holds_numbers(std::string_view name) {
-  return std::find(always_numbers.begin(), always_numbers.end(), name) != always_numbers.end();
+// The first few names of a list that may be long.
+std::string some(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
+    text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > most) text += " and " + std::to_string(names.size() - most) + " more";
+  return text;
 }
 
 }  // namespace
 
-ColumnParser::ColumnParser(const TextFile& file, std::vector<std::string> names) : file_(&file) {
-  for (std::size_t i = 0; i < names.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (names[i] == names[j])
-        file.fail("the name " + quote(names[i]) + " is that of columns " + std::to_string(j + 1) +
-                  " and " + std::to_string(i + 1) + ": every column needs its own");
-  for (std::string& name : names) {
-    Column column;
-    if (holds_numbers(name)) column.content = Content::numbers;
-    column.name = std::move(name);
-    columns_.push_back(std::move(column));
-  }
+ColumnParser::ColumnParser(const TextFile& file, const std::vector<std::string>& names)
+    : file_(&file) {
+  columns_.reserve(names.size());
+  for (const std::string& name : names) columns_.push_back({name, {}, {}});
 }
 
 void ColumnParser::reserve(std::size_t rows) {
-  const std::size_t trusted = std::min<std::size_t>(rows, 1 << 16);
+  constexpr std::size_t most_cells = 1 << 20;
+  const std::size_t trusted = std::min(rows, most_cells / std::max<std::size_t>(columns(), 1));
   lines_.reserve(trusted);
-  for (Column& column : columns_) column.values.reserve(trusted);
+  for (ReadColumn& column : columns_) column.values.reserve(trusted);
 }
 
 void ColumnParser::add_cell(std::size_t index, std::string_view cell) {
-  Column& column = columns_[index];
-  if (column.content != Content::text) {
-    if (const std::optional<double> value = parse_number(cell)) {
-      column.content = Content::numbers;
-      column.values.push_back(*value);
-      return;
-    }
-  }
-  add_other(column, cell);
-}
-
-void ColumnParser::add_other(Column& column, std::string_view cell) {
-  if (column.content == Content::text) return;
-  if (cell.empty()) {
-    column.values.push_back(std::numeric_limits<double>::quiet_NaN());
+  ReadColumn& column = columns_[index];
+  if (const std::optional<double> value = parse_number(cell)) {
+    column.values.push_back(*value);
     return;
   }
-  const bool figures = cell.find_first_not_of("0123456789.eE+-") == std::string_view::npos;
-  if (column.content == Content::numbers) {
-    std::string rule = " is not a number: column " + quote(column.name) + " needs one";
-    if (figures && cell.find_first_of("eE") != std::string_view::npos)
-      rule = " is not a number that double can hold (column " + quote(column.name) + ")";
-    if (cell.find(',') != std::string_view::npos)
-      rule += ", with a decimal point (1.5 and not 1,5)";
-    file_->fail(quote(cell) + rule);
-  }
-  column.content = Content::text;
-  column.example = quote(cell).substr(1);
-  column.example.pop_back();
-  column.line = file_->line_number();
-  column.values = {};
+  column.texts.add(static_cast<std::uint32_t>(rows()), cell);
+  column.values.push_back(std::numeric_limits<double>::quiet_NaN());
 }
 
-ParticleTable ColumnParser::finish() && {
+void ColumnParser::end_row() {
+  if (rows() + 1 >= std::numeric_limits<std::uint32_t>::max())
+    file_->fail("more rows than a table of particles can number, 2^32 - 2");
+  lines_.push_back(file_->line_number());
+}
+
+ParticleTable ColumnParser::finish(const std::vector<std::string>& missing) && {
+  for (ReadColumn& column : columns_) column.values.shrink_to_fit();
   ParticleTable table;
-  std::string text;
-  for (Column& column : columns_) {
-    if (column.content != Content::text) {
-      column.values.shrink_to_fit();
-      table.add_column(std::move(column.name), std::move(column.values));
-      continue;
-    }
-    text += (text.empty() ? "" : ", ") + column.name;
-    table.add_text_column(std::move(column.name), std::move(column.example), column.line);
+  table.add_read_columns(std::move(columns_));
+  for (const std::string& marker : missing) table.declare_missing(marker);
+  if (table.size() > 0) table.set_lines(std::move(lines_));
+  if (std::vector<std::string> texts = table.text_columns(); !texts.empty()) {
+    for (std::string& name : texts) name += " (" + table.describe_text(name) + ")";
+    table.remarks.push_back("columns that hold text are no fields: " + some(texts));
   }
-  if (!text.empty()) table.remarks.push_back("columns of text are left out: " + text);
-  if (!table.names().empty()) table.set_lines(std::move(lines_));
+  if (const auto repeated = table.repeated_names(); !repeated.empty())
+    table.remarks.push_back("names of several columns, which can therefore not be used: " +
+                            some(repeated));
   return table;
 }
 

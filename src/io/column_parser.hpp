@@ -10,10 +10,9 @@
 
 namespace recon::detail {
 
-// Throws FileError, at the line read last, for a name used twice.
 class ColumnParser {
  public:
-  ColumnParser(const TextFile& file, std::vector<std::string> names);
+  ColumnParser(const TextFile& file, const std::vector<std::string>& names);
 
   std::size_t columns() const { return columns_.size(); }
   std::size_t rows() const { return lines_.size(); }
@@ -21,27 +20,18 @@ class ColumnParser {
   // Memory for rows to come: a promise of the file that is not trusted beyond a bound.
   void reserve(std::size_t rows);
 
-  // One cell of the row that is being read. What the column holds is decided by its first cell that
-  // is not empty: a number or, unless the name is that of a coordinate, text.
+  // One cell of the row that is being read: a number, or text that waits for who asks for it.
   void add_cell(std::size_t column, std::string_view cell);
-  void end_row() { lines_.push_back(file_->line_number()); }
+  // Throws FileError for more rows than a table can number.
+  void end_row();
 
-  // All columns of numbers; those of text by name, with a remark.
-  ParticleTable finish() &&;
+  // All columns. Cells that are one of the markers hold no value; what cannot be used as numbers is
+  // told in a remark.
+  ParticleTable finish(const std::vector<std::string>& missing) &&;
 
  private:
-  enum class Content { unknown, numbers, text };
-  struct Column {
-    std::string name;
-    Content content = Content::unknown;
-    std::vector<double> values;
-    std::string example;  // of text, and its line
-    std::size_t line = 0;
-  };
-  void add_other(Column& column, std::string_view cell);
-
   const TextFile* file_;
-  std::vector<Column> columns_;
+  std::vector<ReadColumn> columns_;
   std::vector<std::size_t> lines_;
 };
 

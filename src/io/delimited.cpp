@@ -1,16 +1,20 @@
 // Delimited text with a line of column names.
 #include <algorithm>
+#include <array>
 #include <deque>
+#include <utility>
 
 #include "column_parser.hpp"
 #include "formats.hpp"
+#include "recon/fields/utf8.hpp"
 
 namespace recon::detail {
 
 namespace {
 
 constexpr const char* example =
-    "; the line before the numbers must name the columns, for example: x,y,z,mass";
+    "; the line before the numbers must name the columns, for example x,y,z,mass, or the option "
+    "columns must";
 
 struct Cell {
   std::string_view text;
@@ -102,13 +106,28 @@ bool has_number(const std::vector<Cell>& cells) {
   return false;
 }
 
+bool is_comment(std::string_view text) {
+  return text[0] == '#' || text[0] == '%';
+}
+
+// The next line that is neither blank nor a comment; false at the end of the file.
+bool next_row(TextFile& file, std::string_view& line) {
+  while (file.next(line)) {
+    const std::string_view text = trim(line);
+    if (!text.empty() && !is_comment(text)) return true;
+  }
+  return false;
+}
+
 struct Header {
   std::vector<std::string> names;
-  std::size_t line = 0;
+  std::size_t line = 0;   // 0 where the names are not from the file
   TextFile::Mark rows{};  // where the rows begin
+  std::vector<std::string> remarks;
 };
 
-std::vector<std::string> names_of(const TextFile& file, const std::vector<Cell>& cells) {
+std::vector<std::string> names_of(const TextFile& file, const std::vector<Cell>& cells,
+                                  std::vector<std::string>& remarks) {
   std::vector<std::string> names;
   for (const Cell& cell : cells) {
     for (const char c : cell.text)
@@ -117,12 +136,45 @@ std::vector<std::string> names_of(const TextFile& file, const std::vector<Cell>&
     names.push_back(cell.text.empty() ? "column_" + std::to_string(names.size() + 1)
                                       : std::string(cell.text));
   }
-  return names;
+  return to_utf8(names, remarks);
+}
+
+// Do these cells say that no cell has a value, rather than in which unit they are?
+bool are_gaps(const std::vector<Cell>& cells, const std::vector<std::string>& missing) {
+  constexpr std::array<std::string_view, 9> gaps{"",     "NA",   "N/A", "na", "null",
+                                                 "NULL", "None", "-",   "?"};
+  return std::all_of(cells.begin(), cells.end(), [&](const Cell& cell) {
+    return std::find(gaps.begin(), gaps.end(), cell.text) != gaps.end() ||
+           std::find(missing.begin(), missing.end(), cell.text) != missing.end();
+  });
+}
+
+// A first row without a number, before one that has some, is no particle: it holds units.
+void pass_over_units(TextFile& file, Splitter& splitter, const ReadOptions& options,
+                     Header& header) {
+  const auto no_number = [](const std::vector<Cell>& cells) {
+    return std::none_of(cells.begin(), cells.end(),
+                        [](const Cell& cell) { return parse_number(cell.text).has_value(); });
+  };
+  file.go_to(header.rows);
+  std::string_view line;
+  if (!next_row(file, line)) return;
+  const std::vector<Cell>& units = splitter.split(line);
+  if (units.size() != header.names.size() || !no_number(units) || are_gaps(units, options.missing))
+    return;
+  std::string text =
+      "line " + std::to_string(file.line_number()) + " holds no number and is taken for units: ";
+  for (std::size_t c = 0; c < units.size() && text.size() < 200; ++c)
+    text += (c > 0 ? ", " : "") + header.names[c] + " [" + recon::to_utf8(units[c].text) + "]";
+  const TextFile::Mark behind = file.mark();
+  if (!next_row(file, line) || no_number(splitter.split(line))) return;
+  header.remarks.push_back(text);
+  header.rows = behind;
 }
 
 // The first line that is no comment names the columns or, where it is a row of numbers, the comment
 // right before it does.
-Header read_header(TextFile& file, Splitter& splitter) {
+Header read_header(TextFile& file, Splitter& splitter, const ReadOptions& options) {
   std::string comment;
   std::size_t comment_line = 0;
   std::string_view line;
@@ -131,8 +183,8 @@ Header read_header(TextFile& file, Splitter& splitter) {
     if (!file.next(line)) file.fail(std::string("the file ends without a header line") + example);
     const std::string_view text = trim(line);
     if (text.empty()) continue;
-    if (text[0] != '#') break;
-    comment = text.substr(std::min(text.size(), text.find_first_not_of('#')));
+    if (!is_comment(text)) break;
+    comment = text.substr(std::min(text.size(), text.find_first_not_of("#%")));
     comment_line = file.line_number();
   }
   if (line.starts_with("LAMMPS"))
@@ -140,9 +192,14 @@ Header read_header(TextFile& file, Splitter& splitter) {
 
   Header header;
   splitter.delimiter = find_delimiter(line);
+  if (!options.columns.empty()) {
+    header.names = options.columns;
+    header.rows = before;
+    return header;
+  }
   const std::vector<Cell> first = splitter.split(line);
   if (!has_number(first)) {
-    header.names = names_of(file, first);
+    header.names = names_of(file, first, header.remarks);
     header.line = file.line_number();
     header.rows = file.mark();
     return header;
@@ -152,52 +209,66 @@ Header read_header(TextFile& file, Splitter& splitter) {
   const std::vector<Cell>& names = splitter.split(comment);
   if (trim(comment).empty() || has_number(names) || names.size() != count)
     file.fail(quote(number) + " stands where the header line must be" + example);
-  header.names = names_of(file, names);
+  header.names = names_of(file, names, header.remarks);
   header.line = comment_line;
   header.rows = before;
   return header;
 }
 
-// Calls row(cells) for each row.
-template <class Row>
-void for_each_row(TextFile& file, Splitter& splitter, const Header& header, Row&& row) {
+// Calls begin(header) and then row(cells) for each row.
+template <class Begin, class Row>
+Header for_each_row(TextFile& file, const ReadOptions& options, const Begin& begin,
+                    const Row& row) {
+  Splitter splitter(file);
+  Header header = read_header(file, splitter, options);
+  pass_over_units(file, splitter, options, header);
   file.go_to(header.rows);
+  begin(header);
   std::string_view line;
-  while (file.next(line)) {
-    const std::string_view text = trim(line);
-    if (text.empty() || text[0] == '#') continue;
+  while (next_row(file, line)) {
     const std::vector<Cell>& cells = splitter.split(line);
     if (cells.size() != header.names.size())
-      file.fail("the line has " + std::to_string(cells.size()) + " cells, the header (line " +
-                std::to_string(header.line) + ") names " + std::to_string(header.names.size()) +
-                " columns");
+      file.fail("the line has " + std::to_string(cells.size()) + " cells, the " +
+                (header.line > 0 ? "header (line " + std::to_string(header.line) + ") names "
+                                 : std::string("option columns names ")) +
+                std::to_string(header.names.size()) + " columns");
     row(cells);
   }
+  return header;
 }
 
 }  // namespace
 
-FrameInfo describe_delimited(TextFile& file) {
-  Splitter splitter(file);
-  const Header header = read_header(file, splitter);
-  const ColumnParser parser(file, header.names);  // checks the names
-  FrameInfo info;
-  info.columns = header.names;
-  info.line = header.line;
-  for_each_row(file, splitter, header, [&](const auto&) { ++info.particles; });
-  return info;
+bool DelimitedFrame::next() {
+  return !std::exchange(done_, true);
 }
 
-ParticleTable read_delimited(TextFile& file) {
-  Splitter splitter(file);
-  const Header header = read_header(file, splitter);
-  ColumnParser parser(file, header.names);
-  for_each_row(file, splitter, header, [&](const std::vector<Cell>& cells) {
-    for (std::size_t c = 0; c < cells.size(); ++c) parser.add_cell(c, cells[c].text);
-    parser.end_row();
-  });
-  ParticleTable table = std::move(parser).finish();
-  table.source = file.path().filename().string();
+void DelimitedFrame::skip() {
+  for_each_row(
+      *file_, *options_,
+      [&](const Header& header) {
+        info_.columns = header.names;
+        info_.line = header.line;
+      },
+      [&](const auto&) { ++info_.particles; });
+}
+
+ParticleTable DelimitedFrame::read() {
+  std::optional<ColumnParser> parser;
+  const Header header = for_each_row(
+      *file_, *options_,
+      [&](const Header& begun) {
+        info_.columns = begun.names;
+        info_.line = begun.line;
+        parser.emplace(*file_, begun.names);
+      },
+      [&](const std::vector<Cell>& cells) {
+        for (std::size_t c = 0; c < cells.size(); ++c) parser->add_cell(c, cells[c].text);
+        parser->end_row();
+      });
+  ParticleTable table = std::move(*parser).finish(options_->missing);
+  table.remarks.insert(table.remarks.end(), header.remarks.begin(), header.remarks.end());
+  info_.particles = table.size();
   return table;
 }
 

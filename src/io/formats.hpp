@@ -1,20 +1,60 @@
 // The formats that read.cpp chooses from. Each reads from a file that stands at its beginning.
 #pragma once
 
-#include <vector>
+#include <memory>
 
 #include "recon/io/read.hpp"
 #include "text_file.hpp"
 
 namespace recon::detail {
 
-std::vector<FrameInfo> list_lammps_frames(TextFile& file);
-ParticleTable read_lammps_frame(TextFile& file, int frame);
+// A frame after another: next(), and then either skip() or read().
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  // Whether there is another frame.
+  virtual bool next() = 0;
+  // Of the frame that next() found. In delimited text the particles are counted by skip() and
+  // read().
+  virtual const FrameInfo& info() const = 0;
+  virtual void skip() = 0;
+  virtual ParticleTable read() = 0;
+};
 
-FrameInfo describe_delimited(TextFile& file);
-ParticleTable read_delimited(TextFile& file);
+// Names in UTF-8, with a remark where they were not.
+std::vector<std::string> to_utf8(const std::vector<std::string>& names,
+                                 std::vector<std::string>& remarks);
 
-// Throws FileError: the file has `frames` frames, not the one asked for.
-[[noreturn]] void fail_unknown_frame(const TextFile& file, int frame, std::size_t frames);
+class LammpsFrames : public FrameSource {
+ public:
+  LammpsFrames(TextFile& file, const ReadOptions& options);
+  ~LammpsFrames() override;
+  bool next() override;
+  const FrameInfo& info() const override;
+  void skip() override;
+  ParticleTable read() override;
+
+ private:
+  struct Header;
+  TextFile* file_;
+  const ReadOptions* options_;
+  std::unique_ptr<Header> header_;
+};
+
+// Delimited text is one frame.
+class DelimitedFrame : public FrameSource {
+ public:
+  DelimitedFrame(TextFile& file, const ReadOptions& options) : file_(&file), options_(&options) {}
+  bool next() override;
+  const FrameInfo& info() const override { return info_; }
+  void skip() override;
+  ParticleTable read() override;
+
+ private:
+  TextFile* file_;
+  const ReadOptions* options_;
+  FrameInfo info_;
+  bool done_ = false;
+};
 
 }  // namespace recon::detail

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "column_parser.hpp"
 #include "formats.hpp"
@@ -16,11 +17,11 @@ namespace {
 
 struct Frame {
   FrameInfo info;
-  std::string units;
-  Box<double> box;
-  bool has_box = false, has_count = false, has_flags = false;
+  SimulationCell cell;
+  Box<double> box;  // the same where it has no tilt
+  bool orthogonal = true, has_box = false, has_count = false, has_flags = false;
+  std::vector<std::string> remarks;
   std::array<bool, max_dimension> periodic{};
-  TextFile::Mark atoms{};  // where the lines of atoms begin
 };
 
 bool is_item(std::string_view line) {
@@ -50,13 +51,10 @@ double read_finite(TextFile& file, const std::string& section, std::string_view 
 
 // Boundary flags, two letters an axis: p periodic, f fixed, s shrink-wrapped, m shrink-wrapped with
 // a minimum. Dumps of before 2010 have none.
-void read_flags(TextFile& file, const std::vector<std::string_view>& flags, Frame& frame) {
+void read_flags(TextFile& file, std::span<const std::string_view> flags, Frame& frame) {
   constexpr const char* rule =
       "ITEM: BOX BOUNDS takes two boundary letters of p, f, s, m for each of three axes, "
       "like 'pp pp fm'";
-  for (const std::string_view flag : flags)
-    if (flag == "xy" || flag == "xz" || flag == "yz" || flag == "abc" || flag == "origin")
-      file.fail("the box is triclinic; recon reads orthogonal boxes only");
   if (flags.empty()) return;
   if (flags.size() != max_dimension) file.fail(rule);
   for (std::size_t d = 0; d < max_dimension; ++d) {
@@ -70,38 +68,95 @@ void read_flags(TextFile& file, const std::vector<std::string_view>& flags, Fram
   frame.has_flags = true;
 }
 
-void read_box(TextFile& file, const std::vector<std::string_view>& flags, Frame& frame) {
-  read_flags(file, flags, frame);
-  frame.box = Box<double>::empty(max_dimension);
+using Bounds = std::array<std::array<double, 4>, max_dimension>;
+
+// lower, upper of an orthogonal box.
+void set_orthogonal(TextFile& file, const Bounds& bounds, Frame& frame) {
+  for (int d = 0; d < max_dimension; ++d) {
+    const double extent = bounds[d][1] - bounds[d][0];
+    if (extent < 0 || (frame.periodic[d] && extent == 0) || !std::isfinite(extent))
+      file.fail(file.line_number() - 2 + static_cast<std::size_t>(d),
+                std::string("the box needs lower < upper along ") + "xyz"[d]);
+    frame.cell.origin[d] = frame.box.lower[d] = bounds[d][0];
+    frame.cell.edges[d][d] = extent;
+    frame.box.upper[d] = bounds[d][1];
+  }
+}
+
+// Of a restricted triclinic box: the lower and upper bounds of the box around it, and its tilts xy,
+// xz, yz. The edges are (lx, 0, 0), (xy, ly, 0), (xz, yz, lz).
+void set_restricted(TextFile& file, const Bounds& bounds, Frame& frame) {
+  const double xy = bounds[0][2], xz = bounds[1][2], yz = bounds[2][2];
+  Bounds inner = bounds;
+  inner[0][0] -= std::min({0.0, xy, xz, xy + xz});
+  inner[0][1] -= std::max({0.0, xy, xz, xy + xz});
+  inner[1][0] -= std::min(0.0, yz);
+  inner[1][1] -= std::max(0.0, yz);
+  set_orthogonal(file, inner, frame);
+  frame.orthogonal = xy == 0 && xz == 0 && yz == 0;
+  frame.cell.edges[1][0] = xy;
+  frame.cell.edges[2][0] = xz;
+  frame.cell.edges[2][1] = yz;
+}
+
+// Of a general triclinic box: in each line one edge, and a coordinate of the corner.
+void set_general(TextFile& file, const Bounds& bounds, Frame& frame) {
+  frame.orthogonal = false;
+  for (int e = 0; e < max_dimension; ++e) {
+    std::copy_n(bounds[e].begin(), max_dimension, frame.cell.edges[e].begin());
+    frame.cell.origin[e] = bounds[e][3];
+    const double length = std::hypot(bounds[e][0], bounds[e][1], bounds[e][2]);
+    if (!std::isfinite(length) || (frame.periodic[e] && length == 0))
+      file.fail(file.line_number() - 2 + static_cast<std::size_t>(e),
+                "an edge of a periodic box must have a length");
+  }
+}
+
+void read_box(TextFile& file, std::span<const std::string_view> words, Frame& frame) {
+  const bool restricted =
+      words.size() >= 3 && words[0] == "xy" && words[1] == "xz" && words[2] == "yz";
+  const bool general = words.size() >= 2 && words[0] == "abc" && words[1] == "origin";
+  read_flags(file, words.subspan(restricted ? 3 : general ? 2 : 0), frame);
+  std::size_t numbers = restricted ? 3 : general ? 4 : 2;
+  Bounds bounds{};
   std::vector<std::string_view> cells;
   for (int d = 0; d < max_dimension; ++d) {
     split_at_blanks(section_line(file, "BOX BOUNDS"), cells);
-    if (cells.size() == 3)
-      file.fail("three numbers mean a triclinic box; recon reads orthogonal boxes only");
-    if (cells.size() != 2) file.fail("ITEM: BOX BOUNDS needs two numbers, lower and upper");
-    frame.box.lower[d] = read_finite(file, "BOX BOUNDS", cells[0]);
-    frame.box.upper[d] = read_finite(file, "BOX BOUNDS", cells[1]);
-    const double extent = frame.box.extent(d);
-    if (extent < 0 || (frame.periodic[d] && extent == 0) || !std::isfinite(extent))
-      file.fail(std::string("the box needs lower < upper along ") + "xyz"[d]);
+    if (d == 0 && words.empty() && cells.size() == 3) numbers = 3;  // triclinic, of before 2010
+    if (cells.size() != numbers)
+      file.fail(numbers == 2   ? "ITEM: BOX BOUNDS needs two numbers, lower and upper"
+                : numbers == 3 ? "ITEM: BOX BOUNDS needs three numbers: lower, upper, tilt"
+                               : "ITEM: BOX BOUNDS abc origin needs four numbers: an edge of the "
+                                 "box, and a coordinate of its corner");
+    for (std::size_t i = 0; i < numbers; ++i)
+      bounds[d][i] = read_finite(file, "BOX BOUNDS", cells[i]);
   }
+  frame.cell = {};
+  frame.box = Box<double>::empty(max_dimension);
+  frame.orthogonal = true;
+  if (numbers == 2) set_orthogonal(file, bounds, frame);
+  if (numbers == 3) set_restricted(file, bounds, frame);
+  if (numbers == 4) set_general(file, bounds, frame);
   frame.has_box = true;
 }
 
-void read_columns(TextFile& file, const std::vector<std::string_view>& words, Frame& frame) {
+void read_columns(TextFile& file, const std::vector<std::string_view>& words,
+                  const std::vector<std::string>& names, Frame& frame) {
   if (!frame.info.step) file.fail("the frame has no ITEM: TIMESTEP before its atoms");
   if (!frame.has_count) file.fail("the frame has no ITEM: NUMBER OF ATOMS before its atoms");
   if (!frame.has_box) file.fail("the frame has no ITEM: BOX BOUNDS before its atoms");
-  if (words.empty())
+  if (words.empty() && names.empty())
     file.fail(
-        "ITEM: ATOMS names no columns (a dump of before 2010); name them on this line, the default "
-        "then was: ITEM: ATOMS id type xs ys zs");
-  frame.info.columns.assign(words.begin(), words.end());
-  frame.atoms = file.mark();
+        "ITEM: ATOMS names no columns (a dump of before 2010); name them on this line or by the "
+        "option columns, the default then was: ITEM: ATOMS id type xs ys zs");
+  if (!names.empty())
+    frame.info.columns = names;
+  else
+    frame.info.columns = to_utf8({words.begin(), words.end()}, frame.remarks);
 }
 
 // Reads up to and including the line ITEM: ATOMS; false at the end of the file.
-bool read_header(TextFile& file, Frame& frame) {
+bool read_header(TextFile& file, const std::vector<std::string>& names, Frame& frame) {
   std::string_view line;
   do {
     if (!file.next(line)) return false;
@@ -119,16 +174,16 @@ bool read_header(TextFile& file, Frame& frame) {
     } else if (section == "TIME") {
       frame.info.time = read_finite(file, section, section_line(file, section));
     } else if (section == "UNITS") {
-      frame.units = section_line(file, section);
+      frame.info.units = section_line(file, section);
     } else if (section == "NUMBER OF ATOMS") {
       const std::int64_t count = read_integer(file, section);
       if (count < 0) file.fail(std::to_string(count) + " atoms: the number must not be negative");
       frame.info.particles = static_cast<std::size_t>(count);
       frame.has_count = true;
     } else if (section.starts_with("BOX BOUNDS")) {
-      read_box(file, {words.begin() + 2, words.end()}, frame);
+      read_box(file, std::span(words).subspan(2), frame);
     } else if (words.size() >= 1 && words[0] == "ATOMS") {
-      read_columns(file, {words.begin() + 1, words.end()}, frame);
+      read_columns(file, {words.begin() + 1, words.end()}, names, frame);
       return true;
     } else {
       file.fail("ITEM: " + quote(section) +
@@ -151,89 +206,116 @@ std::string_view atom_line(TextFile& file, const Frame& frame, std::size_t done)
   return line;
 }
 
-void skip_atoms(TextFile& file, const Frame& frame) {
-  for (std::size_t i = 0; i < frame.info.particles; ++i) atom_line(file, frame, i);
+void require_cells(const TextFile& file, const Frame& frame, std::size_t cells) {
+  if (cells == frame.info.columns.size()) return;
+  file.fail("the line has " + std::to_string(cells) + " cells, for " +
+            std::to_string(frame.info.columns.size()) + " columns that are named");
 }
 
-// x = lower + xs (upper - lower), as a column of its own.
-void add_unscaled(ParticleTable& table, const Box<double>& box) {
+void skip_atoms(TextFile& file, const Frame& frame) {
+  std::vector<std::string_view> cells;
+  for (std::size_t i = 0; i < frame.info.particles; ++i) {
+    const std::string_view line = atom_line(file, frame, i);
+    if (file.line_is_closed()) continue;
+    split_at_blanks(line, cells);  // the last line of a file that may be cut
+    require_cells(file, frame, cells.size());
+  }
+}
+
+// Scaled coordinates into lengths: (x, y, z) = origin + xs a + ys b + zs c with the edges a, b, c of
+// the box, as columns of their own. Where an edge is needed whose coordinate is not there, none is.
+void add_unscaled(ParticleTable& table, const SimulationCell& cell) {
   std::string done;
+  const std::vector<std::string> repeated = table.repeated_names();
+  const auto usable = [&](const std::string& name) {
+    return table.has(name) && std::find(repeated.begin(), repeated.end(), name) == repeated.end();
+  };
   for (const std::string suffix : {"s", "su"}) {
     for (int d = 0; d < max_dimension; ++d) {
-      const std::string axis(1, "xyz"[d]), scaled = axis + suffix;
-      const std::string plain = suffix == "s" ? axis : axis + "u";
-      if (!table.has(scaled) || table.has(plain)) continue;
-      std::vector<double> values = table.raw_column(scaled);
-      for (double& value : values) value = box.lower[d] + value * box.extent(d);
+      const std::string axis(1, "xyz"[d]), plain = suffix == "s" ? axis : axis + "u";
+      if (!usable(axis + suffix) || table.has(plain)) continue;
+      std::vector<double> values(table.size(), cell.origin[d]);
+      std::string from;
+      bool known = true;
+      for (int e = 0; e < max_dimension; ++e) {
+        const double edge = cell.edges[e][d];
+        if (edge == 0 && e != d) continue;
+        const std::string scaled = "xyz"[e] + suffix;
+        known = known && usable(scaled);
+        if (!known) break;
+        const std::vector<double>& factor = table.raw_column(scaled);
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] += factor[i] * edge;
+        from += (from.empty() ? "" : " and ") + scaled;
+      }
+      if (!known) continue;
       table.add_column(plain, std::move(values));
-      done += (done.empty() ? "" : ", ") + plain + " from " + scaled;
+      done += (done.empty() ? "" : ", ") + plain + " from " + from;
     }
   }
   if (!done.empty()) table.remarks.push_back("scaled by the box: " + done);
 }
 
-ParticleTable read_atoms(TextFile& file, const Frame& frame) {
+ParticleTable read_atoms(TextFile& file, const Frame& frame,
+                         const std::vector<std::string>& missing) {
   ColumnParser parser(file, frame.info.columns);
   parser.reserve(frame.info.particles);
   std::vector<std::string_view> cells;
   for (std::size_t i = 0; i < frame.info.particles; ++i) {
     split_at_blanks(atom_line(file, frame, i), cells);
-    if (cells.size() != parser.columns())
-      file.fail("the line has " + std::to_string(cells.size()) + " cells, ITEM: ATOMS names " +
-                std::to_string(parser.columns()) + " columns");
+    require_cells(file, frame, cells.size());
     for (std::size_t c = 0; c < cells.size(); ++c) parser.add_cell(c, cells[c]);
     parser.end_row();
   }
+  const TextFile::Mark behind = file.mark();
   std::string_view line;
   while (file.next(line)) {
     if (trim(line).empty()) continue;
-    if (!is_item(line))
+    const bool cut_item = !file.line_is_closed() && std::string_view("ITEM:").starts_with(line);
+    if (!is_item(line) && !cut_item)
       file.fail("the frame goes on after its " + std::to_string(frame.info.particles) +
                 " atoms; a line ITEM: was expected");
     break;
   }
-  return std::move(parser).finish();
-}
-
-// Walks through the frames up to number `last` (all: negative).
-std::vector<Frame> scan(TextFile& file, int last) {
-  std::vector<Frame> frames;
-  std::string units;
-  for (;;) {
-    Frame frame;
-    frame.units = units;
-    if (!read_header(file, frame)) return frames;
-    units = frame.units;
-    frames.push_back(frame);
-    if (last >= 0 && frames.size() > static_cast<std::size_t>(last)) return frames;
-    skip_atoms(file, frame);
-  }
+  file.go_to(behind);
+  return std::move(parser).finish(missing);
 }
 
 }  // namespace
 
-std::vector<FrameInfo> list_lammps_frames(TextFile& file) {
-  std::vector<FrameInfo> infos;
-  for (Frame& frame : scan(file, -1)) infos.push_back(std::move(frame.info));
-  return infos;
+struct LammpsFrames::Header : Frame {};
+
+LammpsFrames::LammpsFrames(TextFile& file, const ReadOptions& options)
+    : file_(&file), options_(&options), header_(new Header) {}
+LammpsFrames::~LammpsFrames() = default;
+
+bool LammpsFrames::next() {
+  auto header = std::make_unique<Header>();
+  header->info.units = header_->info.units;
+  if (!read_header(*file_, options_->columns, *header)) return false;
+  header_ = std::move(header);
+  return true;
 }
 
-ParticleTable read_lammps_frame(TextFile& file, int wanted) {
-  const std::vector<Frame> frames = scan(file, wanted);
-  const auto count = static_cast<std::int64_t>(frames.size());
-  const std::int64_t number = wanted < 0 ? count + wanted : wanted;
-  if (number < 0 || number >= count) fail_unknown_frame(file, wanted, frames.size());
-  const Frame& frame = frames[static_cast<std::size_t>(number)];
-  file.go_to(frame.atoms);
+const FrameInfo& LammpsFrames::info() const {
+  return header_->info;
+}
 
-  ParticleTable table = read_atoms(file, frame);
+void LammpsFrames::skip() {
+  skip_atoms(*file_, *header_);
+}
+
+ParticleTable LammpsFrames::read() {
+  const Frame& frame = *header_;
+  ParticleTable table = read_atoms(*file_, frame, options_->missing);
   table.step = frame.info.step;
   table.time = frame.info.time;
-  table.units = frame.units;
-  table.source = file.path().filename().string() + ", frame " + std::to_string(number) + ", step " +
-                 std::to_string(*frame.info.step);
-  table.set_box(frame.box, frame.periodic);
-  add_unscaled(table, frame.box);
+  table.units = frame.info.units;
+  if (frame.orthogonal)
+    table.set_box(frame.box, frame.periodic);
+  else
+    table.set_cell(frame.cell, frame.periodic);
+  add_unscaled(table, frame.cell);
+  table.remarks.insert(table.remarks.end(), frame.remarks.begin(), frame.remarks.end());
   if (!frame.has_flags)
     table.remarks.push_back("ITEM: BOX BOUNDS has no boundary flags: taken as periodic nowhere");
   return table;

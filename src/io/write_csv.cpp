@@ -12,7 +12,7 @@ namespace {
 
 bool needs_quotes(const std::string& name) {
   return name.find_first_of(",;\t\"") != std::string::npos || name.starts_with(' ') ||
-         name.ends_with(' ') || std::string("#+-.0123456789").find(name[0]) != std::string::npos;
+         name.ends_with(' ') || std::string("#%+-.0123456789").find(name[0]) != std::string::npos;
 }
 
 std::string quoted(const std::string& name) {

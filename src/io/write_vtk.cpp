@@ -11,6 +11,7 @@
 #include <cstring>
 #include <functional>
 
+#include "escaped.hpp"
 #include "number_text.hpp"
 #include "recon/io/atomic_file.hpp"
 #include "recon/io/write.hpp"
@@ -25,31 +26,6 @@ void append_little_endian(std::string& bytes, Number number) {
   std::memcpy(raw, &number, sizeof number);
   if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof raw);
   bytes.append(raw, sizeof raw);
-}
-
-// Text as the value of an attribute.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&apos;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
 }
 
 const char* type_name(NumberType type) {
@@ -128,25 +104,37 @@ void describe_time(VtkFile& file, const FieldSet& fields) {
   file.xml("</FieldData>\n");
 }
 
+void append_value(std::string& bytes, double value, NumberType type) {
+  switch (type) {
+    case NumberType::int32:
+      return append_little_endian(bytes, static_cast<std::int32_t>(value));
+    case NumberType::float32:
+      return append_little_endian(bytes, static_cast<float>(value));
+    default:
+      return append_little_endian(bytes, value);
+  }
+}
+
+// Vectors and tensors have the components of 3-D, as filters for arrows, warps and stream lines want
+// them; those that the data do not have are 0.
 void describe_fields(VtkFile& file, const FieldSet& fields, int dimension) {
   file.xml("<PointData>\n");
   for (const NamedField& field : fields) {
-    std::string attributes = "Name=\"" + escaped(field.name) + "\" NumberOfComponents=\"" +
-                             std::to_string(field.components) + "\"";
-    if (field.components == dimension && dimension > 1)
-      for (int c = 0; c < dimension; ++c)
-        attributes += " ComponentName" + std::to_string(c) + "=\"" + "xyz"[c] + "\"";
-    file.array(attributes, type_name(field.type), field.values.size(), type_size(field.type),
-               [&field](std::string& bytes, std::size_t i) {
-                 const double value = field.values[i];
-                 switch (field.type) {
-                   case NumberType::int32:
-                     return append_little_endian(bytes, static_cast<std::int32_t>(value));
-                   case NumberType::float32:
-                     return append_little_endian(bytes, static_cast<float>(value));
-                   default:
-                     return append_little_endian(bytes, value);
-                 }
+    const ComponentPlaces places = component_places(field, dimension);
+    const int written = places.places > 0 ? places.places : field.components;
+    std::string attributes = "Name=\"" + detail::escaped(field.name) + "\" NumberOfComponents=\"" +
+                             std::to_string(written) + "\"";
+    for (int place = 0; place < places.places; ++place)
+      attributes += " ComponentName" + std::to_string(place) + "=\"" +
+                    name_of_place(place, places.places) + "\"";
+    const auto count = static_cast<std::size_t>(written);
+    const auto components = static_cast<std::size_t>(field.components);
+    file.array(attributes, type_name(field.type), field.size() * count, type_size(field.type),
+               [&field, places, count, components](std::string& bytes, std::size_t i) {
+                 if (places.places == 0) return append_value(bytes, field.values[i], field.type);
+                 const int from = places.from[i % count];
+                 append_value(bytes, from < 0 ? 0.0 : field.values[i / count * components + from],
+                              field.type);
                });
   }
   file.xml("</PointData>\n");

@@ -21,47 +21,84 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// What --set can name; the tables below ask for the same.
-const Words known_keys{"title",
-                       "threads",
-                       "grid.lower",
-                       "grid.upper",
-                       "grid.cells",
-                       "material.kind",
-                       "material.young",
-                       "material.poisson",
-                       "material.density",
-                       "manufactured.solution",
-                       "manufactured.G",
-                       "body.shape",
-                       "body.particles",
-                       "body.layout",
-                       "body.jitter",
-                       "body.angular",
-                       "body.velocity",
-                       "body.radius",
-                       "body.inner",
-                       "body.outer",
-                       "body.centre",
-                       "method.name",
-                       "method.degree",
-                       "method.momentum_correction",
-                       "method.basis",
-                       "method.order",
-                       "method.mass",
-                       "method.stress",
-                       "method.spline_border",
-                       "method.negative_mass",
-                       "time.end",
-                       "time.rule",
-                       "time.courant",
-                       "time.step",
-                       "limits.memory",
-                       "limits.steps",
-                       "output.frames",
-                       "output.ledger",
-                       "loads.gravity",
-                       "loads.body_force"};
+// All keys; the tables below ask for the same.
+const KnownKeys known_keys{{"title",
+                            "threads",
+                            "grid.lower",
+                            "grid.upper",
+                            "grid.cells",
+                            "material.kind",
+                            "material.young",
+                            "material.poisson",
+                            "material.density",
+                            "manufactured.solution",
+                            "manufactured.G",
+                            "body.shape",
+                            "body.particles",
+                            "body.layout",
+                            "body.jitter",
+                            "body.angular",
+                            "body.velocity",
+                            "body.radius",
+                            "body.inner",
+                            "body.outer",
+                            "body.centre",
+                            "method.name",
+                            "method.degree",
+                            "method.momentum_correction",
+                            "method.basis",
+                            "method.order",
+                            "method.mass",
+                            "method.stress",
+                            "method.spline_border",
+                            "method.negative_mass",
+                            "time.end",
+                            "time.rule",
+                            "time.courant",
+                            "time.step",
+                            "limits.memory",
+                            "limits.steps",
+                            "output.frames",
+                            "output.ledger",
+                            "output.fields",
+                            "loads.gravity",
+                            "loads.body_force"},
+                           {"constants.*",
+                            "body.lower",
+                            "body.upper",
+                            "body.wkt",
+                            "body.file",
+                            "body.volume",
+                            "body.material.kind",
+                            "body.material.young",
+                            "body.material.poisson",
+                            "body.material.density",
+                            "boundary.axis",
+                            "boundary.at",
+                            "boundary.kind",
+                            "boundary.velocity",
+                            "point_load.at",
+                            "point_load.direction",
+                            "point_load.magnitude",
+                            "pressure.body",
+                            "pressure.side",
+                            "pressure.centre",
+                            "pressure.magnitude"}};
+
+// A value or a list of them as a text that does not depend on how numbers are written.
+std::string text_of(const toml::node& node) {
+  if (const toml::array* array = node.as_array()) {
+    std::string text;
+    for (const toml::node& each : *array) text += (text.empty() ? "" : ", ") + text_of(each);
+    return "[" + text + "]";
+  }
+  if (node.is_number()) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.12g", node.value_or(0.0));
+    return text;
+  }
+  return "'" + node.value_or(std::string()) + "'";
+}
 
 template <int D>
 class Reader {
@@ -85,6 +122,7 @@ class Reader {
     const TomlTable output = file_.table("output");
     out_.output.frames = output.integer("frames", 50, 0, 1000000);
     out_.output.ledger = output.boolean("ledger", true);
+    if (output.has("fields")) out_.output.fields = output.choices("fields", particle_fields());
     output.finish();
     file_.finish();
     checked(file_, "", [&] { problem.validate(); });
@@ -92,16 +130,22 @@ class Reader {
   }
 
  private:
-  // Runs `work`; what it finds wrong is the fault of the key that it names, or of this one.
+  // Runs `work`; what it finds wrong is the fault of the key that it names, or else of this one.
   template <class Work>
   static void checked(const TomlTable& table, std::string_view key, Work&& work) {
     try {
       work();
     } catch (const InvalidArgument& error) {
-      table.fail(table.has(error.argument()) ? error.argument() : key, error.what());
+      table.fail(table.raw().contains(error.argument()) ? error.argument() : key, error.what());
     } catch (const std::invalid_argument& error) {
       table.fail(key, error.what());
     }
+  }
+
+  // Problem::formulas has the text of this key.
+  void note(const TomlTable& table, std::string_view key) {
+    if (const toml::node* node = table.raw().get(key))
+      out_.problem.formulas[table.full(key)] = text_of(*node);
   }
 
   Vector<D> vector(const TomlTable& table, std::string_view key) const {
@@ -123,7 +167,8 @@ class Reader {
       table.fail_at(node, key, error.what());
     }
   }
-  std::array<Expression, D> expressions(const TomlTable& table, std::string_view key) const {
+  std::array<Expression, D> expressions(const TomlTable& table, std::string_view key) {
+    note(table, key);
     std::array<Expression, D> all;
     int d = 0;
     for (const toml::node* node : table.elements(key, D)) all[d++] = expression(table, key, *node);
@@ -155,6 +200,7 @@ class Reader {
           with_it[key] = text ? Formula(*text, {}, constants_)({}) : table.number(key);
           Formula("0", Expression::variable_names(), with_it);  // is the name one for formulas?
           constants_ = std::move(with_it);
+          note(table, key);
         } catch (const std::invalid_argument& error) {
           if (last_try) table.fail(key, error.what());
           later.push_back(key);
@@ -396,6 +442,8 @@ class Reader {
                                            problem.densities.front());
     });
     problem.follow_exact();
+    note(keys, "solution");
+    note(keys, "G");
     keys.finish();
   }
 
@@ -458,7 +506,8 @@ class Reader {
     for (const TomlTable& table : file_.tables("pressure")) read_pressure(table);
   }
 
-  std::function<double(double)> magnitude(const TomlTable& table) const {
+  std::function<double(double)> magnitude(const TomlTable& table) {
+    note(table, "magnitude");
     const Expression value =
         expression(table, "magnitude", *table.elements("magnitude", 1).front());
     return [value](double t) { return value({0, 0, 0, 0, 0, 0, t}); };
@@ -530,7 +579,11 @@ AnyProblem read_problem_text(const std::string& text, const std::filesystem::pat
 
 AnyProblem read_problem(const std::filesystem::path& path, std::span<const std::string> settings) {
   std::ifstream file(path, std::ios::binary);
-  if (!std::filesystem::is_regular_file(path) || !file) throw FileError(path, 0, "no such file");
+  std::error_code none;
+  if (!std::filesystem::exists(path, none)) throw FileError(path, 0, "no such file");
+  if (std::filesystem::is_directory(path, none))
+    throw FileError(path, 0, "is a folder; a problem file is needed");
+  if (!file) throw FileError(path, 0, "cannot be read");
   std::ostringstream text;
   text << file.rdbuf();
   return read_problem_text(text.str(), path, settings);

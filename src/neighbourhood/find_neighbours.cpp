@@ -38,7 +38,10 @@ NeighbourList<Scalar> find(const PointCloud<Scalar>& particles, const PointCloud
   if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
       detail::covered_by_cells(rule, options)) {
     auto list = detail::find_by_cells<D>(particles, targets, rule, domain, options, automatic);
-    if (list) return *std::move(list);
+    if (list) {
+      list->support_factor = detail::support_factor<Scalar>(rule);
+      return *std::move(list);
+    }
     return with(KdTree<Scalar, D>(particles));
   }
   switch (chosen(options.search, rule)) {

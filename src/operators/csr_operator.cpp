@@ -7,6 +7,7 @@
 
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/points/make_view.hpp"
 
 namespace recon {
@@ -42,10 +43,10 @@ Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32
   return values;
 }
 
-// sums[c * B + b] = sum over the row's entries of value(e, b) * in(index(e), first + c), c < C.
+// sums[c * B + b] += sum over these entries of a row of value(e, b) in(index(e), first + c), c < C.
 template <int B, int C, class Scalar>
-void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
-              std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
+void add_entries(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+                 std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
   // Several partial sums: one alone would wait for each addition before the next can begin.
   constexpr int parts = B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1;
   Scalar total[parts][B * C] = {};
@@ -60,7 +61,17 @@ void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t b
   for (; e < end; ++e) add(e, total[0]);
   for (int i = 1; i < parts; ++i)
     for (int j = 0; j < B * C; ++j) total[0][j] += total[i][j];
-  std::copy(total[0], total[0] + B * C, sums);
+  for (int j = 0; j < B * C; ++j) sums[j] += total[0][j];
+}
+
+template <int B, int C, class Scalar>
+void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+              std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
+  std::fill_n(sums, B * C, Scalar(0));
+  detail::add_in_blocks<B * C>(
+      end - begin, sums, [&](std::int64_t from, std::int64_t to, Scalar* part) {
+        add_entries<B, C>(values, indices, begin + from, begin + to, in, stride, part);
+      });
 }
 
 template <int B, class Scalar>
@@ -76,6 +87,50 @@ void row_sums(int components, const Scalar* values, const ParticleIndex* indices
     row_sums<B, 2>(values, indices, begin, end, in + c, stride, sums + c * B);
   if (components - c == 1)
     row_sums<B, 1>(values, indices, begin, end, in + c, stride, sums + c * B);
+}
+
+// Sums that have left the range of numbers are formed again: sum_of_products(i) is scaled sum
+// number i. Finite data can have a result that is too large by itself; then this says where.
+template <class Scalar, class SumOfProducts>
+void mend_overflow(Scalar* sums, int count, const char* place, std::size_t number,
+                   const SumOfProducts& sum_of_products) {
+  for (int i = 0; i < count; ++i) {
+    if (std::isfinite(sums[i])) [[likely]]
+      continue;
+    sums[i] = sum_of_products(i);
+    if (!std::isfinite(sums[i]))
+      detail::throw_invalid(
+          "component " + std::to_string(i) + " of the result at " + place + std::to_string(number),
+          sums[i], "overflows: the data, or the inverse of a support, are too large");
+  }
+}
+
+// Limits the values of a row, one for each component; returns how many left the range of the data
+// by more than rounding.
+template <class Scalar>
+std::uint32_t limit_row(const Scalar* phi, const ParticleIndex* indices, std::int64_t begin,
+                        std::int64_t end, const Scalar* in, std::size_t components, Limit kind,
+                        const std::vector<detail::DataRange<Scalar>>& all, Scalar* values) {
+  std::uint32_t limited = 0;
+  for (std::size_t c = 0; c < components; ++c) {
+    detail::DataRange<Scalar> range;
+    // Most values lie between the data of the first few particles.
+    for (std::int64_t e = begin; e < end && !range.holds(values[c]); ++e)
+      if (phi[e] != 0) range.add(in[indices[e] * components + c]);
+    if (range.holds(values[c])) continue;
+    Scalar amplification = 0;
+    for (std::int64_t e = begin; e < end; ++e) amplification += std::abs(phi[e]);
+    limited += range.limit(values[c], kind, all[c], amplification);
+  }
+  return limited;
+}
+
+// The ranges of the components of `in`.
+template <class Scalar>
+std::vector<detail::DataRange<Scalar>> ranges_of(const Array<Scalar>& in, std::size_t components) {
+  std::vector<detail::DataRange<Scalar>> ranges(components);
+  for (std::size_t i = 0; i < in.size(); ++i) ranges[i % components].add(in[i]);
+  return ranges;
 }
 
 }  // namespace
@@ -138,6 +193,12 @@ std::vector<std::uint32_t> CsrOperator<Scalar>::empty_rows() const {
 template <class Scalar>
 void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
                                 const FieldSpan<Scalar>& out) const {
+  apply(field, out, Limit::none, nullptr);
+}
+
+template <class Scalar>
+void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
+                                Limit limit, std::uint32_t* limited) const {
   require(field.size() == columns(), "size of the field", field.size(),
           "must be the number of particles");
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
@@ -146,6 +207,8 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
           "must be those of the field times the operator's blocks");
   const SparsityPattern<Scalar>& pattern = *pattern_;
   const Array<Scalar> in = gather<Scalar>(field, pattern.particle_of, {}, threads_);
+  std::vector<detail::DataRange<Scalar>> all;
+  if (limit != Limit::none) all = ranges_of(in, static_cast<std::size_t>(width));
 
   parallel_blocks(rows(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
     std::vector<Scalar> sums(width);
@@ -175,6 +238,16 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
           row_sums<6>(field.components(), values, index, first, last, in.data(), sums.data());
           break;
       }
+      mend_overflow(sums.data(), width, "target ", t, [&](int i) {
+        const auto stride = static_cast<std::size_t>(field.components());
+        return detail::scaled_sum_of_products<Scalar>(
+            last - first,
+            [&](std::int64_t e) { return values[(first + e) * blocks_ + i % blocks_]; },
+            [&](std::int64_t e) { return in[index[first + e] * stride + i / blocks_]; });
+      });
+      if (limit != Limit::none)
+        limited[t] = limit_row(values, index, first, last, in.data(),
+                               static_cast<std::size_t>(width), limit, all, sums.data());
       for (int i = 0; i < width; ++i) out(t, i) = sums[i];
     }
   });
@@ -198,16 +271,44 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
   const auto stride = static_cast<std::size_t>(field.components());
 
   parallel_blocks(columns(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
-    std::vector<Scalar> sums(components);
-    for (std::size_t column = begin; column < end; ++column) {
-      std::fill(sums.begin(), sums.end(), Scalar(0));
-      for (std::int64_t i = columns_of.offsets[column]; i < columns_of.offsets[column + 1]; ++i) {
+    std::vector<Scalar> sums(components), part(components), lost(components);
+    const auto add = [&](std::int64_t from, std::int64_t to, std::vector<Scalar>& total) {
+      for (std::int64_t i = from; i < to; ++i) {
         const Scalar* value = values_.data() + columns_of.entries[i] * blocks_;
         const Scalar* f = in.data() + columns_of.rows[i] * stride;
         for (int c = 0; c < components; ++c)
-          for (int b = 0; b < blocks_; ++b) sums[c] += value[b] * f[c * blocks_ + b];
+          for (int b = 0; b < blocks_; ++b) total[c] += value[b] * f[c * blocks_ + b];
+      }
+    };
+    for (std::size_t column = begin; column < end; ++column) {
+      const std::int64_t first = columns_of.offsets[column], last = columns_of.offsets[column + 1];
+      std::int64_t next = std::min<std::int64_t>(last, first + detail::sum_block);
+      std::fill(sums.begin(), sums.end(), Scalar(0));
+      add(first, next, sums);
+      if (next < last) {  // as in add_in_blocks, for a number of sums that is known here only
+        std::fill(lost.begin(), lost.end(), Scalar(0));
+        while (next < last) {
+          const std::int64_t from = next;
+          next = std::min<std::int64_t>(last, from + detail::sum_block);
+          std::fill(part.begin(), part.end(), Scalar(0));
+          add(from, next, part);
+          for (int c = 0; c < components; ++c)
+            detail::add_keeping_rounding(part[c], sums[c], lost[c]);
+        }
+        for (int c = 0; c < components; ++c) sums[c] += lost[c];
       }
       const ParticleIndex p = pattern.particle(column);
+      mend_overflow(sums.data(), components, "particle ", p, [&](int c) {
+        return detail::scaled_sum_of_products<Scalar>(
+            (last - first) * blocks_,
+            [&](std::int64_t i) {
+              return values_[columns_of.entries[first + i / blocks_] * blocks_ + i % blocks_];
+            },
+            [&](std::int64_t i) {
+              return in[columns_of.rows[first + i / blocks_] * stride +
+                        static_cast<std::size_t>(c * blocks_ + i % blocks_)];
+            });
+      });
       for (int c = 0; c < components; ++c) out(p, c) = sums[c];
     }
   });

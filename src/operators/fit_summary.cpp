@@ -14,12 +14,13 @@ FitReports::FitReports(std::vector<FitReport> reports, Solver asked)
     s.reduced += report.status == FitStatus::reduced;
     s.nearest += report.status == FitStatus::nearest;
     s.no_support += report.status == FitStatus::no_support;
+    s.too_far += report.status == FitStatus::too_far;
     s.fewest_neighbours = std::min<std::size_t>(s.fewest_neighbours, report.neighbours);
     s.most_neighbours = std::max<std::size_t>(s.most_neighbours, report.neighbours);
     s.mean_neighbours += report.neighbours;
     if (report.status != FitStatus::full && report.status != FitStatus::reduced) continue;
     s.handed_over += report.solver != asked;
-    s.smallest_rcond = std::min<double>(s.smallest_rcond, report.rcond);
+    s.smallest_pivot = std::min<double>(s.smallest_pivot, report.smallest_pivot);
     s.largest_amplification = std::max<double>(s.largest_amplification, report.amplification);
   }
   if (s.targets > 0) s.mean_neighbours /= static_cast<double>(s.targets);

@@ -84,6 +84,7 @@ NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
                                 const NeighbourList<Scalar>& other, const std::vector<bool>& take) {
   NeighbourList<Scalar> merged;
   merged.support = list.support;
+  merged.support_factor = list.support_factor;
   std::size_t next = 0;
   for (std::size_t t = 0; t < list.targets(); ++t) {
     const NeighbourList<Scalar>* from = &list;
@@ -122,11 +123,13 @@ struct BasicReconstruction<Scalar>::Problem {
   std::vector<std::uint32_t> target_of, particle_of;  // as in SparsityPattern
   NeighbourList<Scalar> neighbours;                   // until make_pattern() takes them
   std::shared_ptr<const ShapeKernel<Scalar>> kernel;
-  Scalar support_factor = 0, fill = 0;
+  Scalar fill = 0;
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
+  std::vector<Scalar> particle_weights;  // divided by the largest; empty: all ones
   Solver solver = Solver::gram_schmidt;
   int threads = 0;
   std::vector<std::uint32_t> nearest_rows;  // targets that have the value of the nearest particle
+  std::vector<bool> too_far;                // per target, where there is a largest distance
   std::shared_ptr<const SparsityPattern<Scalar>> pattern;
 
   Problem(const PointsView<Scalar>& points, const PointsView<Scalar>& at, const Options& options,
@@ -142,6 +145,7 @@ struct BasicReconstruction<Scalar>::Problem {
       sort(particles, particle_of);
       sort(targets, target_of);
     }
+    take_weights(options.particle_weights);
     kernel = make_shape_kernel<Scalar>(
         points.dimension(), {options.degree, options.weight, options.form, options.solver,
                              options.tolerances, resolved(options.instruction_set)});
@@ -155,6 +159,23 @@ struct BasicReconstruction<Scalar>::Problem {
     if (cloud.size() < fewest_sorted || is_spatially_ordered(cloud)) return;
     order = spatial_order(cloud, threads);
     cloud = cloud.permuted(order, threads);
+  }
+
+  void take_weights(std::span<const double> weights) {
+    require(weights.empty() || weights.size() == particles.size(), "number of particle_weights",
+            weights.size(), "must be the number of particles, or 0");
+    if (weights.empty()) return;
+    const double largest = *std::max_element(weights.begin(), weights.end());
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      particle_weights.push_back(
+          static_cast<Scalar>(weights[particle_of.empty() ? i : particle_of[i]] / largest));
+  }
+
+  // What the kernel reads to fit the targets `at` from the neighbours in `list`.
+  ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
+                                     const NeighbourList<Scalar>& list) const {
+    return {particles, at,         list,
+            domain,    axis_scale, particle_weights.empty() ? nullptr : particle_weights.data()};
   }
 
   std::size_t caller_target(std::size_t t) const { return target_of.empty() ? t : target_of[t]; }
@@ -186,7 +207,7 @@ struct BasicReconstruction<Scalar>::Problem {
            std::vector<FitReport>& reports) const {
     values.resize(list.indices.size());
     reports.resize(list.targets());
-    const ShapeProblem<Scalar> problem{particles, at, list, domain, support_factor, axis_scale};
+    const ShapeProblem<Scalar> problem = shape_problem(at, list);
     parallel_blocks(list.targets(), targets_per_block, threads,
                     [&](std::size_t begin, std::size_t end) {
                       ShapeRows<Scalar> rows;
@@ -196,13 +217,184 @@ struct BasicReconstruction<Scalar>::Problem {
                     });
   }
 
+  bool is_too_far(std::size_t t) const { return !too_far.empty() && too_far[t]; }
+
+  // From target number t of `at` to the particle of an entry, along axis d.
+  Scalar offset(const PointCloud<Scalar>& at, std::size_t t, const NeighbourList<Scalar>& list,
+                std::int64_t entry, int d) const {
+    const Scalar direct = particles(list.indices[entry], d) - at(t, d);
+    return list.shifts.empty() || !domain.periodic[d]
+               ? direct
+               : direct + list.shifts[entry][d] * domain.period(d);
+  }
+  Scalar distance2(const PointCloud<Scalar>& at, std::size_t t, const NeighbourList<Scalar>& list,
+                   std::int64_t entry) const {
+    Scalar sum = 0;
+    for (int d = 0; d < particles.dimension(); ++d) {
+      const Scalar along = offset(at, t, list, entry, d);
+      sum += along * along;
+    }
+    return sum;
+  }
+
+  // Of a target: the nearest particle, how far it is, and a distance that the local spacing there
+  // is known to reach (0: nothing is known).
+  struct Nearness {
+    ParticleIndex particle = 0;
+    Scalar distance = std::numeric_limits<Scalar>::infinity(), spacing = 0;
+  };
+
+  // The local spacing is the distance to the neighbour of this number.
+  std::size_t spacing_neighbour() const {
+    return 2 * static_cast<std::size_t>(particles.dimension()) + 3;
+  }
+
+  // From the target's list; nothing where another particle may be nearer than those in it. With
+  // `complete` lists every particle within the distance of the farthest one is in them: if the k-th
+  // is at a distance r, then fewer than k particles are within r - distance of the nearest one.
+  Nearness nearness_in_list(std::size_t t, bool complete, std::vector<Scalar>& squares) const {
+    const NeighbourList<Scalar>& list = neighbours;
+    Nearness near;
+    squares.clear();
+    Scalar least = std::numeric_limits<Scalar>::infinity();
+    for (std::int64_t e = list.offsets[t]; e < list.offsets[t + 1]; ++e) {
+      squares.push_back(distance2(targets, t, list, e));
+      if (squares.back() < least) {
+        least = squares.back();
+        near.particle = list.indices[e];
+      }
+    }
+    if (squares.empty() || !(std::sqrt(least) <= list.support[t])) return {};
+    near.distance = std::sqrt(least);
+    if (!complete) return near;
+    const std::size_t k = std::min(spacing_neighbour(), squares.size()) - 1;
+    std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(k),
+                     squares.end());
+    near.spacing = std::sqrt(squares[k]) - near.distance;
+    return near;
+  }
+
+  // Marks the targets that are farther from every particle than `multiple` local spacings, and
+  // takes their neighbours away. Where all particles are at one place there is no spacing, and no
+  // limit.
+  void mark_too_far(double multiple, bool complete, const NeighbourOptions& search) {
+    if (std::isinf(multiple) || particles.size() == 0) return;
+    bool extended = false;
+    for (int d = 0; d < particles.dimension(); ++d)
+      extended = extended || domain.periodic[d] || particles.box().extent(d) > 0;
+    if (!extended) return;
+
+    std::vector<Nearness> near(targets.size());
+    parallel_blocks(targets.size(), targets_per_block, threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      std::vector<Scalar> squares;
+                      for (std::size_t t = begin; t < end; ++t)
+                        near[t] = nearness_in_list(t, complete && !search.visible, squares);
+                    });
+    find_nearest_of_the_rest(search, near);
+
+    const auto factor = static_cast<Scalar>(multiple);
+    std::vector<std::size_t> asked, place(particles.size(), particles.size());
+    for (const Nearness& n : near) {
+      if (n.distance <= factor * n.spacing || std::isinf(n.distance)) continue;
+      if (place[n.particle] == particles.size()) {
+        place[n.particle] = asked.size();
+        asked.push_back(n.particle);
+      }
+    }
+    if (asked.empty()) return;
+    const std::vector<Scalar> spacing = spacings_at(asked, search);
+
+    std::vector<std::size_t> rows;
+    NeighbourList<Scalar> nothing;
+    too_far.assign(targets.size(), false);
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+      const Nearness& n = near[t];
+      if (n.distance <= factor * n.spacing || std::isinf(n.distance) ||
+          n.distance <= factor * spacing[place[n.particle]])
+        continue;
+      too_far[t] = true;
+      rows.push_back(t);
+      nothing.offsets.push_back(0);
+      nothing.support.push_back(neighbours.support[t]);
+    }
+    if (rows.empty()) return;
+    neighbours = with_rows(neighbours, rows, nothing, std::vector<bool>(rows.size(), true));
+  }
+
+  // The nearest particles of the targets whose lists do not tell.
+  void find_nearest_of_the_rest(const NeighbourOptions& search, std::vector<Nearness>& near) const {
+    std::vector<std::size_t> rest;
+    for (std::size_t t = 0; t < near.size(); ++t)
+      if (std::isinf(near[t].distance)) rest.push_back(t);
+    if (rest.empty()) return;
+    NeighbourOptions one = search;
+    one.shape = SupportShape::ball;
+    if (search.visible)
+      one.visible = [&](std::size_t t, std::size_t p) { return search.visible(rest[t], p); };
+    const PointCloud<Scalar> at = subset(targets, rest);
+    const auto list = find_neighbours(particles, at, Nearest{1}, domain, one);
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      if (list.count(i) > 0)
+        near[rest[i]] = {list.indices[list.offsets[i]],
+                         std::sqrt(distance2(at, i, list, list.offsets[i])), 0};
+  }
+
+  // The local spacings at some particles: the distance to the neighbour of that number, of those at
+  // one place (copies, images on a border) counting the first only; where there are fewer, to the
+  // farthest.
+  std::vector<Scalar> spacings_at(const std::vector<std::size_t>& chosen,
+                                  const NeighbourOptions& search) const {
+    NeighbourOptions all = search;
+    all.shape = SupportShape::ball;
+    all.visible = {};
+    std::vector<Scalar> spacings(chosen.size());
+    std::vector<std::size_t> rest(chosen.size());
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = i;
+    for (std::size_t ask = spacing_neighbour() + 1; !rest.empty(); ask *= 4) {
+      std::vector<std::size_t> asked, still;
+      for (const std::size_t i : rest) asked.push_back(chosen[i]);
+      const PointCloud<Scalar> at = subset(particles, asked);
+      const auto list = find_neighbours(particles, at, Nearest{ask}, domain, all);
+      for (std::size_t i = 0; i < rest.size(); ++i) {
+        const bool found = spacing_in_list(at, i, list, spacings[rest[i]]);
+        if (!found && static_cast<std::size_t>(list.count(i)) == ask) still.push_back(rest[i]);
+      }
+      rest = std::move(still);
+    }
+    return spacings;
+  }
+
+  // From the nearest of a particle, by distance. False where they are too few; then the farthest
+  // distance.
+  bool spacing_in_list(const PointCloud<Scalar>& at, std::size_t t,
+                       const NeighbourList<Scalar>& list, Scalar& spacing) const {
+    std::vector<std::array<Scalar, max_dimension>> same;  // places at the present distance
+    Scalar square = -1;
+    std::size_t places = 0;
+    for (std::int64_t e = list.offsets[t]; e < list.offsets[t + 1]; ++e) {
+      const Scalar here = distance2(at, t, list, e);
+      if (here != square) same.clear();
+      square = here;
+      std::array<Scalar, max_dimension> place{};
+      for (int d = 0; d < particles.dimension(); ++d) place[d] = offset(at, t, list, e, d);
+      if (std::find(same.begin(), same.end(), place) != same.end()) continue;
+      same.push_back(place);
+      if (++places <= spacing_neighbour()) continue;  // the particle itself is the first
+      spacing = std::sqrt(square);
+      return true;
+    }
+    spacing = std::sqrt(std::max(square, Scalar(0)));
+    return false;
+  }
+
   // Enlarges the supports of targets that miss the asked degree. True where any has been replaced.
   bool grow(const Options& options, const NeighbourRule& rule, const NeighbourOptions& search,
             const std::vector<FitReport>& reports) {
     bool changed = false;
     std::vector<std::size_t> missing;
     for (std::size_t t = 0; t < reports.size(); ++t)
-      if (reports[t].status != FitStatus::full) missing.push_back(t);
+      if (reports[t].status != FitStatus::full && !is_too_far(t)) missing.push_back(t);
     double factor = 1;
     for (int step = 0; step < options.grow.steps && !missing.empty(); ++step) {
       factor *= options.grow.factor;
@@ -237,7 +429,7 @@ struct BasicReconstruction<Scalar>::Problem {
                    std::vector<FitReport>& reports) {
     std::vector<std::size_t> lost;
     for (std::size_t t = 0; t < reports.size(); ++t)
-      if (reports[t].status == FitStatus::no_support) lost.push_back(t);
+      if (reports[t].status == FitStatus::no_support && !is_too_far(t)) lost.push_back(t);
     if (lost.empty() || particles.size() == 0) return;
     NeighbourOptions one = search;
     one.shape = SupportShape::ball;
@@ -270,7 +462,7 @@ struct BasicReconstruction<Scalar>::Problem {
     made->particle_of = std::move(particle_of);
     made->neighbours = std::move(neighbours);
     for (std::size_t t = 0; t < reports.size(); ++t)
-      if (reports[t].status == FitStatus::no_support)
+      if (reports[t].status == FitStatus::no_support || reports[t].status == FitStatus::too_far)
         made->empty_rows.push_back(static_cast<std::uint32_t>(t));
     pattern = std::move(made);
   }
@@ -285,8 +477,6 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
   auto problem = std::make_shared<Problem>(points, at, options, true);
   std::vector<double> radii;
   const NeighbourRule rule = problem->ordered(asked, radii);
-  if (const auto* nearest = std::get_if<Nearest>(&rule))
-    problem->support_factor = static_cast<Scalar>(nearest->factor);
   problem->neighbours = find_neighbours(problem->particles, problem->targets, rule, problem->domain,
                                         problem->search_options(options));
   fit(std::move(problem), options, &rule);
@@ -311,10 +501,13 @@ void BasicReconstruction<Scalar>::fit(std::shared_ptr<Problem> problem, const Op
   Array<Scalar> values;
   std::vector<FitReport> reports;
   const NeighbourOptions search = problem->search_options(options);
+  problem->mark_too_far(options.max_distance, rule && search.shape == SupportShape::ball, search);
   problem->fit(problem->targets, problem->neighbours, values, reports);
   if (rule && options.grow.steps > 0 && problem->grow(options, *rule, search, reports))
     problem->fit(problem->targets, problem->neighbours, values, reports);
   if (options.unsupported == Unsupported::nearest) problem->use_nearest(search, values, reports);
+  for (std::size_t t = 0; t < reports.size(); ++t)
+    if (problem->is_too_far(t)) reports[t].status = FitStatus::too_far;
   problem->make_pattern(reports);
   const auto& target_of = problem->pattern->target_of;
   if (!target_of.empty()) {
@@ -337,8 +530,7 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivat
   const Problem& p = *problem_;
   const int blocks = second ? dimension() * (dimension() + 1) / 2 : dimension();
   Array<Scalar> values(p.pattern->neighbours.indices.size() * static_cast<std::size_t>(blocks));
-  const ShapeProblem<Scalar> problem{p.particles, p.targets,        p.pattern->neighbours,
-                                     p.domain,    p.support_factor, p.axis_scale};
+  const ShapeProblem<Scalar> problem = p.shape_problem(p.targets, p.pattern->neighbours);
   parallel_blocks(p.targets.size(), targets_per_block, p.threads,
                   [&](std::size_t begin, std::size_t end) {
                     ShapeRows<Scalar> rows;
@@ -351,6 +543,24 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::derivative(bool second, Derivat
     std::fill(values.begin() + p.pattern->neighbours.offsets[t] * blocks,
               values.begin() + p.pattern->neighbours.offsets[t + 1] * blocks, Scalar(0));
   return CsrOperator<Scalar>(p.pattern, std::move(values), blocks, p.fill, p.threads);
+}
+
+template <class Scalar>
+void BasicReconstruction<Scalar>::apply(const FieldView<Scalar>& field,
+                                        const FieldSpan<Scalar>& out, const Apply& how) const {
+  LimitCount local;
+  LimitCount& count = how.count ? *how.count : local;
+  count.components.assign(how.count || how.limit != Limit::none ? values_.rows() : 0, 0);
+  values_.apply(field, out, how.limit, count.components.data());
+  count.total();
+}
+
+template <class Scalar>
+typename BasicReconstruction<Scalar>::Matrix BasicReconstruction<Scalar>::apply(
+    const FieldView<Scalar>& field, const Apply& how) const {
+  Matrix out(static_cast<Eigen::Index>(values_.rows()), field.components());
+  apply(field, field_of(out), how);
+  return out;
 }
 
 template <class Scalar>
@@ -369,6 +579,7 @@ NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
   const NeighbourList<Scalar>& list = pattern.neighbours;
   if (pattern.target_of.empty() && pattern.particle_of.empty()) return list;
   NeighbourList<Scalar> out;
+  out.support_factor = list.support_factor;
   out.indices.reserve(list.indices.size());
   out.shifts.reserve(list.shifts.size());
   for (std::size_t t = 0; t < list.targets(); ++t) {

@@ -99,7 +99,11 @@ class Kernel final : public ShapeKernel<Scalar> {
             offset[p] = (axis[std::size_t{index[p]} * D] - x[d]) + shift[p][d] * period;
         }
       }
-      stencil_.weigh(choice_.weight, choice_.form, slopes, problem.support_factor);
+      if (problem.particle_weights) {
+        Scalar* weights = stencil_.particle_weights();
+        for (int p = 0; p < n; ++p) weights[p] = problem.particle_weights[index[p]];
+      }
+      stencil_.weigh(choice_.weight, choice_.form, slopes, list.support_factor);
     }
 
     const ShapeChoice& choice_;
@@ -122,7 +126,8 @@ class Kernel final : public ShapeKernel<Scalar> {
     task.indices = list.indices.data();
     task.shifts = list.shifts.empty() ? nullptr : list.shifts.data();
     task.support = list.support.data();
-    task.support_factor = problem.support_factor;
+    task.support_factor = list.support_factor;
+    task.particle_weights = problem.particle_weights;
     task.axis_scale = problem.axis_scale;
     task.weigh = weigh_;
     task.weight = choice_.weight.state();
@@ -139,8 +144,9 @@ class Kernel final : public ShapeKernel<Scalar> {
     FitReport report;
     report.solver = choice_.solver;
     report.neighbours = lane.neighbours;
-    report.rcond = lane.rcond;
+    report.smallest_pivot = lane.smallest_pivot;
     report.amplification = lane.amplification;
+    report.gradient_amplification = lane.gradient_amplification;
     report_full<Basis>(report);
     return report;
   }

@@ -15,7 +15,7 @@ namespace recon::detail {
 
 struct LaneReport {
   std::uint32_t neighbours = 0;  // with a weight
-  float rcond = 0, amplification = 0;
+  float smallest_pivot = 0, amplification = 0, gradient_amplification = 0;
   bool done = false;  // else the target needs a closer look, and its rows are not written
 };
 
@@ -28,7 +28,8 @@ struct LaneTask {
   const ImageShift* shifts = nullptr;  // null: none
   const Scalar* support = nullptr;
   std::array<Scalar, max_dimension> period{};
-  Scalar support_factor = 0;  // as in ShapeProblem
+  Scalar support_factor = 0;                 // as in NeighbourList
+  const Scalar* particle_weights = nullptr;  // as in ShapeProblem
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
   typename WeightFunction::Function<Scalar> weigh = nullptr;
   const void* weight = nullptr;

@@ -69,10 +69,12 @@ class Lanes {
     if (most == 0) return;
     stencil_.start(x, rho, most, present);
     for (int l = 0; l < lanes; ++l) gather(l, most, x);
+    if (task_.particle_weights) gather_particle_weights(most);
     fetch(i + lanes);
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
-    const MaskOf<T> safe = fit_.fit(cloud);
+    MaskOf<T> safe = fit_.fit(cloud);
+    if (any_lane(safe)) safe = safe && fit_.gradient_resolved();
     if (!any_lane(safe)) return;
 
     values_.resize(static_cast<std::size_t>(most) * detail::jet_size(D));
@@ -84,8 +86,10 @@ class Lanes {
       scatter(l, out);
       detail::LaneReport& report = task_.reports[i + l - task_.begin];
       report.neighbours = static_cast<std::uint32_t>(static_cast<Scalar>(stencil_.weighted()[l]));
-      report.rcond = static_cast<float>(static_cast<Scalar>(fit_.rcond()[l]));
+      report.smallest_pivot = static_cast<float>(static_cast<Scalar>(fit_.smallest_pivot()[l]));
       report.amplification = static_cast<float>(static_cast<Scalar>(fit_.amplification()[l]));
+      report.gradient_amplification =
+          static_cast<float>(static_cast<Scalar>(fit_.gradient_amplification()[l]));
       report.done = true;
     }
   }
@@ -112,6 +116,16 @@ class Lanes {
     }
     for (int p = n; p < most; ++p)
       for (int d = 0; d < D; ++d) offset[d][p * lanes] = 0;
+  }
+
+  void gather_particle_weights(int most) {
+    Scalar* weights = stencil_.particle_weights();
+    for (int l = 0; l < lanes; ++l) {
+      const int n = count_[l];
+      const ParticleIndex* index = task_.indices + (n > 0 ? row_[l] : 0);
+      for (int p = 0; p < n; ++p) weights[p * lanes + l] = task_.particle_weights[index[p]];
+      for (int p = n; p < most; ++p) weights[p * lanes + l] = 0;
+    }
   }
 
   void scatter(int l, const ShapeArrays<T, D>& out) {

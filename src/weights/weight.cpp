@@ -90,7 +90,8 @@ WeightFunction::WeightFunction(Weight weight) : WeightFunction(make(weight)) {
 }
 
 template <class Scalar>
-WeightFunction::Function<Scalar> WeightFunction::function(InstructionSet set) const {
+WeightFunction::Function<Scalar> WeightFunction::function(
+    [[maybe_unused]] InstructionSet set) const {
   if (named_) return RECON_DISPATCH(set, weight_function<Scalar>)(*named_);
   if constexpr (std::is_same_v<Scalar, float>)
     return evaluate_float_;

@@ -144,11 +144,112 @@ TEST(ParticleTable, ViewsSurviveAMove) {
   EXPECT_EQ(points(1, 1), 4);
 }
 
-TEST(ParticleTable, TextColumns) {
+recon::TextCells texts(const std::vector<std::pair<std::uint32_t, std::string>>& cells) {
+  recon::TextCells all;
+  for (const auto& [row, text] : cells) all.add(row, text);
+  return all;
+}
+
+TEST(ParticleTable, ColumnsAreTypedWhenTheyAreUsed) {
+  ParticleTable table;
+  table.add_read_columns({{"id", {7, 8, 9}, {}},
+                          {"x", {1, 2, 3}, {}},
+                          {"v", {1, nan, 3}, texts({{1, "n/a"}})},
+                          {"p", {nan, 5, 6}, texts({{0, ""}})},
+                          {"element", {nan, nan, nan}, texts({{0, "Fe"}, {1, "O"}, {2, "Fe"}})},
+                          {"n", {1, 1, 1}, {}},
+                          {"n", {2, 2, 2}, {}},
+                          {"big", {1, 2, nan}, texts({{2, "1e999"}})}});
+  table.set_lines({10, 11, 12});
+  table.source = "a.csv";
+  EXPECT_THAT(table.names(), ElementsAre("id", "x", "p"));
+  EXPECT_THAT(table.text_columns(), ElementsAre("v", "element", "big"));
+  EXPECT_THAT(table.repeated_names(), ElementsAre("n"));
+  EXPECT_TRUE(table.has("v") && table.has("n") && table.has("element") && !table.has("y"));
+  EXPECT_THAT(table.positions().size(), 3u);
+  EXPECT_THAT(message([&] { table.column("v"); }),
+              HasSubstr("column v, row 1 (id 8, line 11) of a.csv = 'n/a': is not a number"));
+  EXPECT_THAT(message([&] { table.column("p"); }),
+              HasSubstr("column p, row 0 (id 7, line 10) of a.csv = '': is an empty cell"));
+  EXPECT_THAT(message([&] { table.field("f", {"x", "element"}); }), HasSubstr("'Fe'"));
+  EXPECT_THAT(message([&] { table.column("big"); }), HasSubstr("no number that double can hold"));
+  EXPECT_THAT(message([&] { table.column("n"); }),
+              HasSubstr("column = n: is the name of several columns of a.csv (numbers 6, 7)"));
+  EXPECT_THAT(message([&] { table.add_column("n", {1, 2, 3}); }), HasSubstr("only once"));
+}
+
+TEST(ParticleTable, KeptRows) {
+  ParticleTable table;
+  table.add_read_columns(
+      {{"x", {0, 1, 2, 3, 4}, {}}, {"v", {1, nan, 3, nan, 5}, texts({{1, "a"}, {3, "b"}})}});
+  table.set_lines({2, 3, 4, 5, 6});
+  table.declare_missing("4");
+  table.keep_rows({true, false, true, true, true});
+  EXPECT_THAT(table.raw_column("x"), testing::ElementsAre(0, 2, 3, testing::IsNan()));
+  EXPECT_THAT(message([&] { table.column("v"); }), HasSubstr("row 2 (line 5) = 'b'"));
+  EXPECT_THAT(message([&] { table.column("x"); }), HasSubstr("row 3 (line 6) = missing"));
+  table.keep_rows({true, true, false, true});
+  EXPECT_THAT(table.column("v"), ElementsAre(1, 3, 5));
+  EXPECT_THAT(table.names(), ElementsAre("x", "v"));
+  EXPECT_EQ(table.leave_out_missing({"x", "v"}), 1u);
+  EXPECT_THAT(table.column("x"), ElementsAre(0, 2));
+  EXPECT_THAT(message([&] { table.keep_rows({true}); }), HasSubstr("number of rows"));
+}
+
+TEST(ParticleTable, MissingValues) {
+  const auto make = [] {
+    ParticleTable table;
+    table.add_read_columns({{"x", {0, 1, 2, 3}, {}},
+                            {"v", {-9999, 1, nan, nan}, texts({{2, "NA"}})},
+                            {"w", {nan, 1, 1, -9999.0}, texts({{0, ""}})}});
+    return table;
+  };
+  ParticleTable table = make();
+  EXPECT_EQ(table.leave_out_missing({"v", "w"}), 0u);
+  table.declare_missing("NA");
+  EXPECT_THAT(table.names(), ElementsAre("x", "v", "w"));
+  EXPECT_EQ(table.leave_out_missing({"x", "w"}), 0u);  // w misses nothing yet
+  EXPECT_EQ(table.size(), 4u);
+  EXPECT_EQ(table.leave_out_missing({"v"}), 1u);
+  EXPECT_THAT(table.remarks, ElementsAre("left out, without a value in v: 1 of 4 particles"));
+  table.declare_missing("nan");
+  table.declare_missing("-9.999e3");
+  table.declare_missing("");
+  EXPECT_EQ(table.leave_out_missing({"x", "v", "w"}), 2u);
+  EXPECT_THAT(table.column("x"), ElementsAre(1));
+  EXPECT_THAT(table.remarks.at(1), HasSubstr("without a value in v, w: 2 of 3 particles"));
+  table = make();
+  table.declare_missing("1");
+  EXPECT_THAT(message([&] { table.column("x"); }), HasSubstr("row 1 = missing"));
+}
+
+TEST(ParticleTable, TriclinicBoxes) {
   ParticleTable table = cube();
-  table.add_text_column("element", "Fe", 10);
-  EXPECT_THAT(table.text_columns(), ElementsAre("element"));
-  EXPECT_THAT(message([&] { table.column("element"); }), HasSubstr("holds text ('Fe' on line 10)"));
+  // b leans along x; a is along x and c along z: periods 4 from -1, and 5 from 0.
+  const recon::SimulationCell leaning{{-1, 0, 0}, {{{4, 0, 0}, {-0.5, 3, 0}, {0, 0, 5}}}};
+  table.set_cell(leaning, {true, true, false});
+  EXPECT_EQ(table.domain().periodic, (std::array<bool, 3>{true, false, false}));
+  EXPECT_EQ(table.domain().lower[0], -1);
+  EXPECT_EQ(table.domain().period(0), 4);
+  EXPECT_EQ(table.box().lower, (std::array<double, 3>{-1.5, 0, 0}));
+  EXPECT_EQ(table.box().upper, (std::array<double, 3>{3, 3, 5}));
+  EXPECT_THAT(table.remarks, ElementsAre(HasSubstr("b = (-0.5, 3, 0)")));
+  EXPECT_EQ(table.possible_domain().periodic, (std::array<bool, 3>{true, false, true}));
+  EXPECT_EQ(table.why_not_periodic(2), "");
+  EXPECT_THAT(table.why_not_periodic(1), HasSubstr("b = (-0.5, 3, 0) is not along the axis"));
+  ASSERT_TRUE(table.cell());
+  EXPECT_EQ(table.cell()->edges[1][0], -0.5);
+  // Edges along the axes, in another order and against them, are no cell of its own.
+  ParticleTable turned = cube();
+  turned.set_cell({{1, 1, 1}, {{{0, 2, 0}, {-3, 0, 0}, {0, 1e-15, 4}}}}, {true, false, true});
+  EXPECT_FALSE(turned.cell());
+  EXPECT_EQ(turned.domain().periodic, (std::array<bool, 3>{false, true, true}));
+  EXPECT_EQ(turned.box().lower[0], -2);
+  EXPECT_TRUE(turned.remarks.empty());
+  EXPECT_THAT(message([&] {
+                table.set_cell({{}, {{{1, 0, 0}, {}, {0, 0, 1}}}}, {true, true, true});
+              }),
+              HasSubstr("edge of the simulation cell = 0"));
 }
 
 }  // namespace

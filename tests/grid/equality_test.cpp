@@ -105,6 +105,31 @@ TYPED_TEST(GridEquality, OwnWeight) {
                InvalidArgument);
 }
 
+// Weights of particles are those of Options::particle_weights, at nodes that are fitted anew from
+// their particles, too.
+TYPED_TEST(GridEquality, ParticleWeights) {
+  using Scalar = typename TypeParam::Scalar;
+  constexpr int D = TypeParam::D;
+  const auto grid = uneven_grid<Scalar, D>();
+  for (const auto& cloud : hostile_clouds<Scalar, D>())
+    for (int degree = 0; degree <= 2; ++degree) {
+      std::vector<double> weights;
+      std::vector<Scalar> same_weights;
+      for (std::size_t p = 0; p < cloud.points.size(); ++p) {
+        weights.push_back(static_cast<double>(1 + p * 7 % 10));
+        same_weights.push_back(static_cast<Scalar>(weights.back()));
+      }
+      const Matrix<Scalar> u = wave(cloud.points, 2);
+      const GridOptions options{.degree = degree};
+      const auto fit = reconstruct_on_grid(points_of(cloud.points), {field_of(u)}, grid, options,
+                                           field_of(same_weights));
+      Options same = equivalent(options, grid, 2);
+      same.particle_weights = weights;
+      expect_equal(fit, cloud.points, u, grid, same,
+                   cloud.name + ", degree " + std::to_string(degree));
+    }
+}
+
 // A particle of weight 2 counts like two particles, one of weight 0 not at all.
 TYPED_TEST(GridEquality, ParticleWeightsAreMultiplicities) {
   using Scalar = typename TypeParam::Scalar;

@@ -67,7 +67,7 @@ Options equivalent(const GridOptions& options, const StructuredGrid<Scalar>& gri
 template <class Scalar>
 double allowed(const FitReport& report) {
   const double loss =
-      report.status == FitStatus::no_support ? 1 : 1 / static_cast<double>(report.rcond);
+      report.status == FitStatus::no_support ? 1 : 1 / static_cast<double>(report.smallest_pivot);
   return 1000 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
          std::max(1.0, static_cast<double>(report.amplification)) * std::min(loss, 1e8);
 }
@@ -117,7 +117,8 @@ void expect_equal(const BasicGridReconstruction<Scalar>& fit,
     EXPECT_EQ(report.status, other.status) << at;
     EXPECT_EQ(report.degree, other.degree) << at;
     if (report.solver == other.solver) {
-      EXPECT_NEAR(report.rcond, other.rcond, 1e-3 * other.rcond + 1e-3) << at;
+      EXPECT_NEAR(report.smallest_pivot, other.smallest_pivot, 1e-3 * other.smallest_pivot + 1e-3)
+          << at;
       EXPECT_NEAR(report.amplification, other.amplification, 1e-2 * other.amplification) << at;
     }
     for (Eigen::Index c = 0; c < values.cols(); ++c) {
@@ -125,7 +126,8 @@ void expect_equal(const BasicGridReconstruction<Scalar>& fit,
         EXPECT_TRUE(std::isnan(fit.values()(i, c))) << at;
       } else {
         EXPECT_NEAR(fit.values()(i, c), values(i, c), allowed<Scalar>(report))
-            << at << ", rcond " << report.rcond << ", amplification " << report.amplification;
+            << at << ", smallest_pivot " << report.smallest_pivot << ", amplification "
+            << report.amplification;
       }
     }
   }

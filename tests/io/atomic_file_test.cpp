@@ -2,6 +2,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 
 #include "recon/io/atomic_file.hpp"
 #include "temporary.hpp"
@@ -32,9 +33,13 @@ class SmallDisk {
   void (*handler_)(int);
 };
 
-TEST(AtomicFile, AppearsAtCommit) {
+// Files without a name until the commit, and with one as where the file system knows no others.
+class AtomicFiles : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Named, AtomicFiles, testing::Bool());
+
+TEST_P(AtomicFiles, AppearsAtCommit) {
   const TemporaryFolder folder;
-  AtomicFile file(folder / "a.txt");
+  AtomicFile file(folder / "a.txt", GetParam());
   file.write("one ");
   file.write("two");
   EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
@@ -43,32 +48,32 @@ TEST(AtomicFile, AppearsAtCommit) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-TEST(AtomicFile, WithoutCommitNothingChanges) {
+TEST_P(AtomicFiles, WithoutCommitNothingChanges) {
   const TemporaryFolder folder;
   folder.file("a.txt", "old");
   {
-    AtomicFile file(folder / "a.txt");
+    AtomicFile file(folder / "a.txt", GetParam());
     file.write(std::string(1 << 20, 'x'));
   }
   EXPECT_EQ(bytes_of(folder / "a.txt"), "old");
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-TEST(AtomicFile, FullDisk) {
+TEST_P(AtomicFiles, FullDisk) {
   const TemporaryFolder folder;
   folder.file("a.txt", "old");
   {
     const SmallDisk disk(100000);
     expect_file_error(
         [&] {
-          AtomicFile file(folder / "a.txt");
+          AtomicFile file(folder / "a.txt", GetParam());
           for (int i = 0; i < 1000; ++i) file.write(std::string(1000, 'x'));
           file.commit();
         },
         0, "cannot write");
     expect_file_error(
         [&] {  // noticed only when the buffer is written out
-          AtomicFile file(folder / "a.txt");
+          AtomicFile file(folder / "a.txt", GetParam());
           file.write(std::string(150000, 'x'));
           file.commit();
         },
@@ -94,20 +99,61 @@ TEST(AtomicFile, PlacesThatCannotBeWritten) {
   }
 }
 
-TEST(AtomicFile, TheTargetTurnsIntoAFolder) {
+TEST_P(AtomicFiles, TheTargetTurnsIntoAFolder) {
   const TemporaryFolder folder;
-  AtomicFile file(folder / "a");
+  AtomicFile file(folder / "a", GetParam());
   file.write("x");
   std::filesystem::create_directory(folder / "a");
   expect_file_error([&] { file.commit(); }, 0, "cannot put the file in place");
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-TEST(AtomicFile, KeepsPermissionsAndLinks) {
+TEST_P(AtomicFiles, ReplacesWhatIsThere) {
+  const TemporaryFolder folder;
+  for (const char* text : {"one", "two", "three"}) {
+    AtomicFile file(folder / "a", GetParam());
+    file.write(text);
+    file.commit();
+    EXPECT_EQ(bytes_of(folder / "a"), text);
+    EXPECT_EQ(folder.entries(), 1u);
+  }
+}
+
+TEST_P(AtomicFiles, CanBeOpenedByItsPath) {
+  const TemporaryFolder folder;
+  AtomicFile file(folder / "a", GetParam());
+  std::ofstream(file.temporary(), std::ios::binary) << "by another library";
+  EXPECT_EQ(bytes_of(file.temporary()), "by another library");
+  file.commit();
+  EXPECT_EQ(bytes_of(folder / "a"), "by another library");
+}
+
+// A process that is killed while it writes leaves nothing.
+TEST(AtomicFile, Signals) {
+  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGKILL, SIGSEGV}) {
+    const TemporaryFolder folder;
+    folder.file("old", "old");
+    const pid_t child = fork();
+    if (child == 0) {
+      AtomicFile fresh(folder / "new"), old(folder / "old");
+      for (AtomicFile* file : {&fresh, &old}) file->write(std::string(1 << 20, 'x'));
+      signal(signal_number, SIG_DFL);
+      kill(getpid(), signal_number);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal_number);
+    EXPECT_EQ(bytes_of(folder / "old"), "old");
+    EXPECT_EQ(folder.entries(), 1u) << "signal " << signal_number;
+  }
+}
+
+TEST_P(AtomicFiles, KeepsPermissionsAndLinks) {
   const TemporaryFolder folder;
   chmod(folder.file("a", "old").c_str(), 0640);
   std::filesystem::create_symlink("a", folder / "link");
-  AtomicFile file(folder / "link");
+  AtomicFile file(folder / "link", GetParam());
   file.write("new");
   file.commit();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));

@@ -20,8 +20,13 @@ const std::string small_dump =
     "1 Fe 0.5 0.25 0.125 1e-3\n2 O 0.75 0.5 1 -2.5E+2\n"
     "ITEM: TIME\n0.75\nITEM: TIMESTEP\n20\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp ff\n"
     "0 1\n0 1\n0 2.5\nITEM: ATOMS id element xs ys zs vx\n1 Fe 0.5 0.25 0.125 nan\n";
+const std::string tilted_dump =
+    "ITEM: TIMESTEP\n10\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp ff\n"
+    "0 1 0.5\n0 1 -1\n0 2.5 0\nITEM: ATOMS id xs ys zs vx\n1 0.5 0.25 0.125 NA\n"
+    "ITEM: TIMESTEP\n20\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS abc origin pp pp ff\n"
+    "1 0 0 5\n.5 1 0 6\n0 0 1 7\nITEM: ATOMS id xs ys zs vx\n1 0.5 0.25 0.125 1\n";
 const std::string small_csv =
-    "# made by hand\n\"x\",y,\"p \"\"q\"\" [Pa]\",kind\n1,2,3.5,a\n\n# b\n2,,1e-3,b\n\"4\",5,6,c\n";
+    "% made by hand\n\"x\",y,\"p \"\"q\"\" [Pa]\",kind\n1,2,3.5,a\n\n# b\n2,,1e-3,b\n\"4\",5,6,c\n";
 
 TEST(Read, GzipIsUndone) {
   const TemporaryFolder folder;
@@ -41,6 +46,38 @@ TEST(Read, CutAndDamagedGzip) {
   std::string damaged = whole;
   damaged[damaged.size() - 6] = static_cast<char>(damaged[damaged.size() - 6] ^ 1);  // checksum
   expect_file_error([&] { read_particles(folder.file("bad.gz", damaged)); }, 0, "damaged");
+}
+
+TEST(Read, GzipInSeveralMembers) {
+  const TemporaryFolder folder;
+  const std::string one = bytes_of(folder.gzip("a", "x,y\n1,2\n")),
+                    two = bytes_of(folder.gzip("b", "3,4\n"));
+  EXPECT_EQ(read_particles(folder.file("c", one + two)).column("y"), (std::vector<double>{2, 4}));
+  EXPECT_EQ(read_particles(folder.file("c", one + std::string(1000, '\0'))).size(), 1u);
+  for (const std::string& behind : {std::string("3,4\n"), std::string("3"), std::string("\x1f"),
+                                    std::string(5, '\0') + "x", std::string(300000, '\0') + two})
+    expect_file_error([&] { read_particles(folder.file("c", one + behind)); }, 0,
+                      "followed by other bytes");
+  expect_file_error([&] { read_particles(folder.file("c", one + two.substr(0, 7))); }, 0,
+                    "cut off");
+}
+
+TEST(Read, NumbersBeyondDouble) {
+  const TemporaryFolder folder;
+  const auto value = [&](const std::string& text) {
+    return read_particles(folder.file("a", "x,y\n1," + text + "\n")).column("y")[0];
+  };
+  const std::string zeros(400, '0');
+  EXPECT_EQ(value("1" + zeros + "e-400"), 1);
+  EXPECT_EQ(value("0." + zeros + "1e+401"), 1);
+  EXPECT_EQ(value("1" + zeros + "e-800"), 0);
+  EXPECT_EQ(value("-0." + zeros + "1"), 0);
+  EXPECT_EQ(value("0." + zeros + "1e-99999999999999999999"), 0);
+  EXPECT_EQ(value("0e999999999999"), 0);
+  for (const std::string& text :
+       {"1" + zeros + "e-10", "-1" + zeros, "0." + zeros + "1e+800", "1" + zeros + ".5",
+        std::string("1e99999999999999999999"), "1" + zeros + "e-0"})
+    EXPECT_ANY_THROW(value(text)) << text;
 }
 
 TEST(Read, MissingFiles) {
@@ -70,15 +107,17 @@ TEST(Read, ForeignFiles) {
 }
 
 // Reading damaged data ends in one of two ways: a table, or an exception that says what is wrong.
-void read_all(const std::filesystem::path& path) {
+void read_all(const std::string& bytes) {
   try {
-    for (std::size_t f = 0; f < recon::list_frames(path).size(); ++f) {
-      const auto table = read_particles(path, {.frame = static_cast<int>(f)});
+    for (std::size_t f = 0; f < recon::list_frames_of(bytes).size(); ++f) {
+      auto table = recon::read_particles_of(bytes, {.frame = static_cast<int>(f)});
       for (const std::string& name : table.names())
         EXPECT_EQ(table.raw_column(name).size(), table.size());
       const auto points = table.positions();
       EXPECT_EQ(points.size(), table.size());
       table.domain().validate(points.dimension());
+      table.declare_missing("1");
+      table.leave_out_missing(table.names());
     }
   } catch (const recon::FileError& error) {
     EXPECT_FALSE(std::string(error.what()).empty());
@@ -88,12 +127,11 @@ void read_all(const std::filesystem::path& path) {
 }
 
 TEST(Read, SurvivesDamage) {
-  const TemporaryFolder folder;
   std::mt19937 random(7);
   const std::string letters = "0123456789 \n\t\r,;\"#.eE+-ITEM:naf\xff\x01";
-  for (const std::string& valid : {small_dump, small_csv}) {
+  for (const std::string& valid : {small_dump, tilted_dump, small_csv}) {
     for (std::size_t length = 0; length <= valid.size(); ++length)
-      read_all(folder.file("a", valid.substr(0, length)));
+      read_all(valid.substr(0, length));
     for (int round = 0; round < 300; ++round) {
       std::string text = valid;
       for (int change = 0; change <= round % 3; ++change) {
@@ -106,7 +144,7 @@ TEST(Read, SurvivesDamage) {
         else
           text[at] = letter;
       }
-      read_all(folder.file("a", text));
+      read_all(text);
     }
   }
 }
@@ -115,12 +153,11 @@ TEST(Read, SurvivesDamagedGzip) {
   const TemporaryFolder folder;
   const std::string valid = bytes_of(folder.gzip("a.gz", small_dump));
   std::mt19937 random(11);
-  for (std::size_t length = 0; length < valid.size(); ++length)
-    read_all(folder.file("a", valid.substr(0, length)));
+  for (std::size_t length = 0; length < valid.size(); ++length) read_all(valid.substr(0, length));
   for (int round = 0; round < 200; ++round) {
     std::string bytes = valid;
     bytes[random() % bytes.size()] = static_cast<char>(random());
-    read_all(folder.file("a", bytes));
+    read_all(bytes);
   }
 }
 

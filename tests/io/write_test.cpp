@@ -108,6 +108,22 @@ TEST(Write, Extensions) {
   EXPECT_EQ(folder.entries(), 4u);
 }
 
+TEST(WritePvd, Text) {
+  const TemporaryFolder folder;
+  recon::write_pvd(folder / "a.pvd", {{0.5, "a_0.vti"}, {1e-7, "b&<>\"'.vti"}});
+  EXPECT_EQ(bytes_of(folder / "a.pvd"),
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n"
+            "  <Collection>\n"
+            "    <DataSet timestep=\"0.5\" part=\"0\" file=\"a_0.vti\"/>\n"
+            "    <DataSet timestep=\"1e-07\" part=\"0\" "
+            "file=\"b&amp;&lt;&gt;&quot;&apos;.vti\"/>\n"
+            "  </Collection>\n</VTKFile>\n");
+  expect_invalid([&] { recon::write_pvd(folder / "b.pvd", {{nan, "a.vti"}}); }, "time of a frame");
+  expect_invalid([&] { recon::write_pvd(folder / "b.pvd", {{0, "a\n.vti"}}); }, "line breaks");
+  expect_invalid([&] { recon::write_pvd(folder / "b.pvd", {{0, "a\xff"}}); }, "UTF-8");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
 // Files that vtk_reader_check.py reads with VTK itself and compares with the same formulas; it
 // names the folder in RECON_VTK_SAMPLES.
 TEST(VtkSamples, Write) {
@@ -135,16 +151,41 @@ TEST(VtkSamples, Write) {
   fields.add("single", 1, single, NumberType::float32);
   recon::write_vti(folder / "grid.vti", grid, fields);
 
+  // A rotation about (1.5, 2.125), a tensor, a symmetric one, and four numbers that are none.
   StructuredGrid<double> plane{2, {1, 2, 0}, {0.5, 0.25, 1}, {3, 2, 1}};
   FieldSet plane_fields;
-  plane_fields.add("v", 2, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+  std::vector<double> turning, slope, stress, four;
+  for (std::size_t i = 0; i < plane.size(); ++i) {
+    const double x = 1 + 0.5 * static_cast<double>(i % 3),
+                 y = 2 + 0.25 * static_cast<double>(i / 3);
+    const double number = static_cast<double>(i);
+    for (const double value : {2.125 - y, x - 1.5}) turning.push_back(value);
+    for (const double value : {1.0, 2.0, 3.0, 4.0}) slope.push_back(value * number);
+    for (const double value : {1.0, 2.0, 3.0}) stress.push_back(value + number);
+    for (const double value : {5.0, 6.0, 7.0, 8.0}) four.push_back(value);
+  }
+  plane_fields.add("turning", 2, turning);
+  plane_fields.add("slope", 4, slope, NumberType::float32);
+  plane_fields.add("stress", 3, stress, NumberType::float64, recon::FieldKind::symmetric_tensor);
+  plane_fields.add("four", 4, four, NumberType::int32, recon::FieldKind::scalars);
   recon::write_vti(folder / "plane.vti", plane, plane_fields);
+  recon::write_vtp(folder / "plane.vtp", plane.nodes().view(), plane_fields);
+
+  const std::vector<double> along{0, 1, 3};
+  FieldSet line_fields;
+  line_fields.add("u", 1, {0.5, 1, -1}, NumberType::float64, recon::FieldKind::vector);
+  line_fields.add("p", 1, {1, 2, 3});
+  recon::write_vtp(folder / "line.vtp", recon::points_of(along), line_fields);
+  const std::string awkward = "a&b<\"c' \xc2\xb2.vtp";
+  recon::write_vtp(folder / awkward, recon::points_of(along), line_fields);
+  recon::write_pvd(folder / "series.pvd", {{0, "line.vtp"}, {0.1 + 0.2, awkward}});
 
   recon::write_vtp(folder / "points.vtp", grid.nodes().view(), fields);
   recon::write_vtp(folder / "none.vtp", recon::PointsView<double>(0, 2, {}, {}), {});
   const std::vector<double> x{1, 2}, y{3, 4};
   recon::write_vtp(folder / "flat.vtp", recon::points_of(x, y), {});
-  for (const char* name : {"grid.vti", "plane.vti", "points.vtp", "none.vtp", "flat.vtp"})
+  for (const char* name :
+       {"grid.vti", "plane.vti", "points.vtp", "none.vtp", "flat.vtp", "line.vtp"})
     EXPECT_TRUE(bytes_of(folder / name).ends_with("\n</AppendedData>\n</VTKFile>\n")) << name;
 }
 

@@ -55,6 +55,10 @@ TYPED_TEST(OwnList, WhatIsWrongIsNamed) {
   for (const TypeParam bad : {TypeParam(0), TypeParam(-1), TypeParam(NAN), TypeParam(INFINITY)})
     EXPECT_EQ(this->blamed_after([&](auto& l) { l.support[1] = bad; }), "support of target 1")
         << bad;
+  for (const TypeParam bad : {TypeParam(0.5), TypeParam(-1), TypeParam(NAN), TypeParam(INFINITY)})
+    EXPECT_EQ(this->blamed_after([&](auto& l) { l.support_factor = bad; }),
+              "support_factor of the neighbours")
+        << bad;
 }
 
 TEST(OwnListMessage, HasTargetValueAndRule) {

@@ -82,6 +82,47 @@ TYPED_TEST(ExactGradient, EqualsFiniteDifferences) {
   }
 }
 
+// What a list says about its supports while the target moves: still, or a multiple of the distance
+// to the farthest neighbour.
+TYPED_TEST(ExactGradient, FollowsWhatTheListSays) {
+  constexpr int D = TypeParam::D;
+  const auto points = random_points<double, D>(D == 1 ? 80 : 400, 3);
+  const auto values = smooth_field<double, D>(points);
+  auto targets = random_points<double, D>(15, 5);
+  for (auto& x : targets)
+    for (double& c : x) c = 0.15 + 0.7 * c;
+  const PointCloud<double> particles(points_of(points));
+  const Options options{.degree = 1};
+  const auto list_at = [&](const PointList<double, D>& at) {
+    return find_neighbours(particles, PointCloud<double>(points_of(at)), Nearest{12, 1.5});
+  };
+  const NeighbourList<double> made = list_at(targets);
+  EXPECT_EQ(made.support_factor, 1.5);
+  for (const bool moves : {false, true}) {
+    NeighbourList<double> list = made;
+    if (!moves) list.support_factor = 0;
+    const auto evaluate = [&](const PointList<double, D>& at) {
+      // The same neighbours; the same supports only if they stand still.
+      NeighbourList<double> here = made;
+      if (moves) here = list_at(at);
+      return reconstruct(points_of(points), points_of(at), here, options).apply(field_of(values));
+    };
+    const Reconstruction fit = reconstruct(points_of(points), points_of(targets), list, options);
+    EXPECT_EQ(fit.neighbours().support_factor, list.support_factor);
+    const auto gradient = fit.gradient().apply(field_of(values));
+    const double step = 1e-6;
+    for (int d = 0; d < D; ++d) {
+      auto before = targets, after = targets;
+      for (auto& x : before) x[d] -= step;
+      for (auto& x : after) x[d] += step;
+      const Eigen::MatrixXd difference = (evaluate(after) - evaluate(before)) / (2 * step);
+      for (std::size_t t = 0; t < targets.size(); ++t)
+        EXPECT_NEAR(gradient(t, d), difference(t, 0), 2e-7 * (1 + std::abs(gradient(t, d))))
+            << (moves ? "moves" : "still") << ", axis " << d << ", target " << t;
+    }
+  }
+}
+
 template <class C>
 class Gradient : public ::testing::Test {};
 TYPED_TEST_SUITE(Gradient, AllCases, CaseNames);

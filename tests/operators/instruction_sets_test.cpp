@@ -69,7 +69,7 @@ TYPED_TEST(InstructionSets, AgreeWithSingleTargets) {
           const auto& s = fit.report().summary();
           ASSERT_EQ(s.full, targets.size());
           const double loss = 1000 * TypeParam::eps * s.largest_amplification /
-                              (solver == Solver::moment_matrix ? s.smallest_rcond : 1);
+                              (solver == Solver::moment_matrix ? s.smallest_pivot : 1);
           const auto expect_near = [&](const auto& a, const auto& b, const char* what) {
             ASSERT_EQ(a.size(), b.size());
             for (std::size_t i = 0; i < a.size(); ++i)

@@ -41,17 +41,18 @@ void expect_same(const BasicReconstruction<Scalar>& a, const BasicReconstruction
   ASSERT_EQ(a.values().rows(), b.values().rows());
   for (std::size_t t = 0; t < a.values().rows(); ++t) {
     const FitReport &ra = a.report()[t], &rb = b.report()[t];
-    if (std::min(ra.rcond, rb.rcond) < resolution * resolution) continue;
-    ASSERT_EQ(ra.kept, rb.kept) << where << ", target " << t << ", rcond " << ra.rcond << " "
-                                << rb.rcond << ", amplification " << ra.amplification << " "
+    if (std::min(ra.smallest_pivot, rb.smallest_pivot) < resolution * resolution) continue;
+    ASSERT_EQ(ra.kept, rb.kept) << where << ", target " << t << ", smallest_pivot "
+                                << ra.smallest_pivot << " " << rb.smallest_pivot
+                                << ", amplification " << ra.amplification << " "
                                 << rb.amplification;
     const auto pa = row(a.values(), t), pb = row(b.values(), t);
-    const double tolerance =
-        slack * (4 + ra.rank) * std::max(1.0f, ra.amplification) / std::max(ra.rcond, 1e-3f);
+    const double tolerance = slack * (4 + ra.rank) * std::max(1.0f, ra.amplification) /
+                             std::max(ra.smallest_pivot, 1e-3f);
     for (std::size_t p = 0; p < pa.size(); ++p)
       ASSERT_NEAR(pa[p], pb[p], tolerance)
-          << where << ", target " << t << ", particle " << p << ", rcond " << ra.rcond
-          << ", amplification " << ra.amplification;
+          << where << ", target " << t << ", particle " << p << ", smallest_pivot "
+          << ra.smallest_pivot << ", amplification " << ra.amplification;
   }
 }
 

@@ -197,7 +197,7 @@ TEST(Gong2015Figures51And52, DegreeOneReproducesLinearFunctions) {
       for (int i = 0; i <= cells; ++i) {
         const FitReport& report = fit.report()[i];
         ASSERT_EQ(report.status, FitStatus::full);
-        const double conditioning = solver == Solver::moment_matrix ? 1 / report.rcond : 1;
+        const double conditioning = solver == Solver::moment_matrix ? 1 / report.smallest_pivot : 1;
         const double rounding =
             10 * 2 * conditioning * report.amplification * std::numeric_limits<double>::epsilon();
         EXPECT_NEAR(fitted(i, 0), 1.5, rounding) << "node " << i;

@@ -46,8 +46,8 @@ class MapTest : public ProgramTest {
 
 TEST_F(MapTest, ReproducesALinearField) {
   write_cloud("cloud.csv", 800, false);
-  succeed("map cloud.csv --fields u --spacing 0.2 --radius 0.35 --out grid.csv");
-  EXPECT_EQ(first_line("grid.csv"), "x,y,z,u,neighbours,rank,degree,status");
+  succeed("map cloud.csv --fields u --spacing 0.2 --radius 0.35 --limit none --out grid.csv");
+  EXPECT_EQ(first_line("grid.csv"), "x,y,z,u,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("grid.csv");
   ASSERT_EQ(grid.size(), 216u);
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -55,13 +55,14 @@ TEST_F(MapTest, ReproducesALinearField) {
     EXPECT_NEAR(grid.column("u")[i],
                 linear(grid.column("x")[i], grid.column("y")[i], grid.column("z")[i]), 1e-10);
   }
-  EXPECT_THAT(read("grid.csv"), HasSubstr(",4,1,full\n"));
+  EXPECT_THAT(read("grid.csv"), HasSubstr(",4,1,full,0\n"));
 }
 
 TEST_F(MapTest, AllMethodsOfDegreeOneReproduceIt) {
   write_cloud("cloud.csv", 300, true);
   for (const char* method : {"mls", "imls", "qr", "svd"}) {
-    succeed(std::string("map cloud.csv --fields u --spacing 0.25 --k 12 --out m.csv --method ") +
+    succeed(std::string("map cloud.csv --fields u --spacing 0.25 --k 12 --limit none --out m.csv "
+                        "--method ") +
             method);
     const ParticleTable grid = table("m.csv");
     for (std::size_t i = 0; i < grid.size(); ++i)
@@ -74,17 +75,17 @@ TEST_F(MapTest, AllMethodsOfDegreeOneReproduceIt) {
 TEST_F(MapTest, ConstantZMeansTwoDimensions) {
   write_cloud("flat.csv", 200, true);
   EXPECT_THAT(succeed("map flat.csv --fields u --spacing 0.25 --out a.csv"), HasSubstr("in 2-D"));
-  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status,limited");
   EXPECT_THAT(succeed("map flat.csv --fields u --spacing 0.25 --dimension 3 --out b.csv"),
               HasSubstr("in 3-D"));
-  EXPECT_EQ(first_line("b.csv"), "x,y,z,u,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("b.csv"), "x,y,z,u,neighbours,rank,degree,status,limited");
   EXPECT_THAT(read("b.csv"), HasSubstr("reduced"));  // nothing is known across the plane
 }
 
 TEST_F(MapTest, GradientsOfALinearField) {
   write_cloud("cloud.csv", 300, true);
   succeed("map cloud.csv --fields u --spacing 0.25 --radius 0.3 --gradient --out g.csv");
-  EXPECT_EQ(first_line("g.csv"), "x,y,u,du_dx,du_dy,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("g.csv"), "x,y,u,du_dx,du_dy,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("g.csv");
   for (std::size_t i = 0; i < grid.size(); ++i) {
     EXPECT_NEAR(grid.column("du_dx")[i], 2, 1e-9);
@@ -107,7 +108,8 @@ TEST_F(MapTest, VtkHasTheFieldsAndTheReports) {
   write_cloud("cloud.csv", 200, true);
   succeed("map cloud.csv --fields u,speed --components v=vx,vy --spacing 0.25 --out a.vti");
   const std::string vti = read("a.vti");
-  for (const char* name : {"u", "speed", "v", "neighbours", "rank", "degree", "status", "rcond"})
+  for (const char* name :
+       {"u", "speed", "v", "neighbours", "rank", "degree", "status", "smallest_pivot", "limited"})
     EXPECT_THAT(vti, HasSubstr("Name=\"" + std::string(name) + "\"")) << name;
 }
 
@@ -115,7 +117,7 @@ TEST_F(MapTest, DerivedVelocityAndSpeed) {
   write_cloud("cloud.csv", 400, false);
   succeed("map cloud.csv --fields velocity,speed --spacing 0.5 --radius 0.5 --out a.csv");
   EXPECT_EQ(first_line("a.csv"),
-            "x,y,z,velocity_x,velocity_y,velocity_z,speed,neighbours,rank,degree,status");
+            "x,y,z,velocity_x,velocity_y,velocity_z,speed,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("a.csv");
   for (std::size_t i = 0; i < grid.size(); ++i) {
     EXPECT_NEAR(grid.column("velocity_y")[i], 4, 1e-12);
@@ -126,7 +128,7 @@ TEST_F(MapTest, DerivedVelocityAndSpeed) {
 TEST_F(MapTest, AllIsEveryColumnButLabelsAndCoordinates) {
   write_cloud("cloud.csv", 200, true);
   succeed("map cloud.csv --fields all --spacing 0.5 --out a.csv");
-  EXPECT_EQ(first_line("a.csv"), "x,y,u,vx,vy,vz,mass,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,vx,vy,vz,mass,neighbours,rank,degree,status,limited");
 }
 
 // The same at the nodes on either side of the seam as on a shifted copy's interior.
@@ -197,12 +199,93 @@ TEST_F(MapTest, WithoutSupport) {
   const std::string map =
       "map two.csv --fields u --spacing 5 --radius 1 --out a.csv --unsupported ";
   succeed(map + "nan");
-  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,nan,0,0,-1,no_support\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,nan,0,0,-1,no_support,0\n"));
   succeed(map + "-1");
-  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,-1,0,0,-1,no_support\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("5,0,-1,0,0,-1,no_support,0\n"));
   succeed(map + "nearest");
   EXPECT_THAT(read("a.csv"), HasSubstr("5,0,1,0,"));
-  EXPECT_THAT(read("a.csv"), HasSubstr(",nearest\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr(",nearest,0\n"));
+}
+
+// Three particles close together and one far away: the plane through the three is 6.67 at (2, 0).
+TEST_F(MapTest, ValuesStayNearTheirData) {
+  write("three.csv", "x,y,v\n0,0,0\n0.3,0,1\n0,0.3,0\n6,6,0.5\n");
+  const std::string map =
+      "map three.csv --fields v --spacing 1 --bounds 0,6,0,6 --out a.csv --radius 3 ";
+  for (const char* limit : {"", "--limit range", "--limit relaxed", "--limit none"}) {
+    const std::string out = succeed(map + limit);
+    const ParticleTable grid = table("a.csv");
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const double v = grid.column("v")[i];
+      if (std::isnan(v)) continue;
+      EXPECT_GE(v, limit == std::string("--limit none") ? -0.2 : 0) << limit;
+      EXPECT_LE(v, limit == std::string("--limit none") ? 1.2 : 1) << limit;
+    }
+    EXPECT_THAT(out, HasSubstr(limit == std::string("--limit none") ? "nothing (--limit none)"
+                                                                    : " of the values, at "));
+  }
+}
+
+TEST_F(MapTest, LimitedValuesAreCounted) {
+  std::ostringstream text;
+  text << "x,y,u,w\n";  // a step between lattice lines, and a linear field
+  for (int i = 0; i < 400; ++i)
+    text << i % 20 << ',' << i / 20 << ',' << (i % 20 < 10 ? 0 : 1) << ',' << i % 20 << '\n';
+  write("step.csv", text.str());
+  const std::string map =
+      "map step.csv --fields u,w --degree 2 --spacing 0.5 --bounds 2,17,2,17 --out a.csv --out "
+      "a.vti ";
+  succeed(map + "--limit none");
+  const ParticleTable plain = table("a.csv");
+  for (const char* limit : {"--limit range", "--limit relaxed"}) {
+    const std::string out = succeed(map + limit);
+    const ParticleTable grid = table("a.csv");
+    int targets = 0;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const double u = grid.column("u")[i], expected = plain.column("u")[i];
+      EXPECT_EQ(u, std::clamp(expected, 0.0, 1.0));
+      EXPECT_EQ(grid.column("limited")[i], std::abs(u - expected) > 1e-12 ? 1 : 0);
+      targets += grid.column("limited")[i] > 0;
+      EXPECT_NEAR(grid.column("w")[i], grid.column("x")[i], 1e-12);
+    }
+    EXPECT_GT(targets, 20);
+    EXPECT_THAT(out, HasSubstr("at " + std::to_string(targets) + " targets"));
+    EXPECT_THAT(read("a.vti"), HasSubstr("Name=\"limited\""));
+  }
+}
+
+TEST_F(MapTest, TargetsTooFarFromAllParticles) {
+  std::ostringstream text;
+  text << "x,y,u\n";
+  for (int i = 0; i < 100; ++i) text << i % 10 << ',' << i / 10 << ",2\n";
+  write("square.csv", text.str());
+  const std::string map =
+      "map square.csv --fields u --spacing 1 --bounds 0,30,0,9 --out a.csv --out a.vti ";
+  EXPECT_THAT(succeed(map + "--unsupported nearest"),
+              HasSubstr("too far from all particles at 180 (58.1 %): nan"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("30,0,nan,0,0,-1,too_far,0\n"));
+  EXPECT_THAT(read("a.csv"), HasSubstr("11,0,2,9,"));
+  succeed(map + "--unsupported -4");
+  EXPECT_THAT(read("a.csv"), HasSubstr("30,0,-4,0,0,-1,too_far,0\n"));
+  EXPECT_THAT(succeed(map + "--max-distance none"), testing::Not(HasSubstr("too far")));
+  EXPECT_THAT(read("a.csv"), HasSubstr("30,0,2,9,"));
+}
+
+// Sums have one support everywhere, and are what they are where fields have no value.
+TEST_F(MapTest, SumsKeepTheirMeaningWithAdaptiveSupports) {
+  std::ostringstream text;
+  text << "x,y,mass,u\n";
+  for (int i = 0; i < 400; ++i)
+    text << i % 20 + 0.5 << ',' << i / 20 + 0.5 << ",0.25," << i % 20 << '\n';
+  write("square.csv", text.str());
+  EXPECT_THAT(
+      succeed("map square.csv --fields density,u --spacing 0.5 --bounds -8,28,-8,28 --out a.csv"),
+      HasSubstr("of sums radius 2"));
+  const ParticleTable grid = table("a.csv");
+  double mass = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) mass += grid.column("density")[i] * 0.25;
+  EXPECT_NEAR(mass, 100, 0.5);
+  EXPECT_THAT(read("a.csv"), HasSubstr("-8,-8,0,nan,0,0,-1,too_far,0\n"));
 }
 
 TEST_F(MapTest, GrowingSupportsReachTheDegree) {
@@ -228,7 +311,7 @@ TEST_F(MapTest, ReplacesAnOlderOutput) {
   write("a.csv", "old");
   write_cloud("cloud.csv", 100, true);
   succeed("map cloud.csv --fields u --out a.csv");
-  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status");
+  EXPECT_EQ(first_line("a.csv"), "x,y,u,neighbours,rank,degree,status,limited");
   EXPECT_EQ(files(), (std::vector<std::string>{"a.csv", "cloud.csv"}));
 }
 

@@ -67,7 +67,7 @@ TEST_F(MistakesTest, MoreMemoryThanThereIs) {
 TEST_F(MistakesTest, Inputs) {
   write("broken.csv", "x,y,u\n0,0,1\n1,zero,2\n");
   expect_failure("map broken.csv --fields u --out a.csv", 2,
-                 AllOf(HasSubstr("broken.csv:3:"), HasSubstr("zero")));
+                 AllOf(HasSubstr("(line 3) of broken.csv"), HasSubstr("zero")));
   write("short.csv", "x,y,u\n0,0,1\n1,0\n");
   expect_failure("map short.csv --fields u --out a.csv", 2, HasSubstr("short.csv:3:"));
   write("nan.csv", "id,x,y,u\n11,0,0,1\n12,1,0,nan\n13,0,1,1\n");

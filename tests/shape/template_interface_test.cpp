@@ -149,5 +149,27 @@ TEST(TemplateInterface, BadSupportIsNamed) {
   EXPECT_EQ(shapes.at({0}, 1, std::span(none), position).report.status, FitStatus::no_support);
 }
 
+// A million particles in one support, in float: the shape functions still sum to one.
+TEST(TemplateInterface, ManyParticlesInFloat) {
+  const std::size_t count = 1'000'000;
+  const auto points = random_points<float, 2>(count, 3);
+  std::vector<ParticleIndex> all(count);
+  for (std::size_t p = 0; p < count; ++p) all[p] = static_cast<ParticleIndex>(p);
+  for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt}) {
+    ShapeEvaluator<Monomials<2, 1>, Wendland<2>, float> shapes(Wendland<2>{}, solver);
+    const auto& shape = shapes.at({0.4f, 0.5f}, 1.5f, std::span<const ParticleIndex>(all),
+                                  [&](ParticleIndex p) { return points[p]; });
+    double one = 0, x = 0, slope = 0;
+    for (std::size_t p = 0; p < count; ++p) {
+      one += static_cast<double>(shape.value[p]);
+      x += static_cast<double>(shape.value[p] * points[p][0]);
+      slope += static_cast<double>(shape.gradient[p][0] * points[p][0]);
+    }
+    EXPECT_NEAR(one, 1, 3e-6);
+    EXPECT_NEAR(x, 0.4, 3e-6);
+    EXPECT_NEAR(slope, 1, 3e-5);
+  }
+}
+
 }  // namespace
 }  // namespace recon

@@ -52,11 +52,12 @@ std::vector<Scalar> numbers_of(const CsrOperator<Scalar>& op) {
 }
 
 // Rounding that a fit with this report may show: the precision, times terms, times the
-// amplification of the fit and, for the moment matrix, 1 / rcond.
+// amplification of the fit and, for the moment matrix, 1 / smallest_pivot: a lower bound of its
+// condition number, which errors do not exceed in practice.
 template <class Scalar>
 double rounding(const FitReport& report) {
   const double loss =
-      report.solver == Solver::moment_matrix ? 1 / static_cast<double>(report.rcond) : 1;
+      report.solver == Solver::moment_matrix ? 1 / static_cast<double>(report.smallest_pivot) : 1;
   return 8.0 * std::numeric_limits<Scalar>::epsilon() * (4 + report.rank) *
          std::max(1.0f, report.amplification) * loss;
 }
@@ -85,8 +86,8 @@ void expect_reproduction(const BasicReconstruction<Scalar>& fit, const PointList
     for (int j = 0; j < Terms::begin(report.degree + 1); ++j) {
       const RowSum sum = row_moment<Scalar, D>(fit, points, targets[t], t, Terms::exponents[j]);
       EXPECT_LE(std::abs(sum.value - (j == 0 ? 1 : 0)), tolerance)
-          << at << ", monomial " << j << " of degree " << int(report.degree) << ", rcond "
-          << report.rcond << ", amplification " << report.amplification;
+          << at << ", monomial " << j << " of degree " << int(report.degree) << ", smallest_pivot "
+          << report.smallest_pivot << ", amplification " << report.amplification;
       if (j == 0) {
         EXPECT_LE(sum.scale, report.amplification * (1 + 1e-6 + tolerance) + tolerance) << at;
       }

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "recon/core/error.hpp"
+#include "support/message_of.hpp"
 
 namespace recon {
 namespace {
@@ -94,6 +96,57 @@ TEST(BSplines, EqualThePublishedPieces) {
     EXPECT_NEAR(BSpline<2>{}(x / 1.5), quadratic, 1e-15);
   }
   for (double x = 0; x < 1; x += 0.01) EXPECT_NEAR(BSpline<1>{}(x), 1 - x, 1e-16);
+}
+
+// (exp(-a q^2) - exp(-a)) / (1 - exp(-a)), which is 1 - q^2 for a = 1 / c^2 -> 0.
+TEST(Gaussian, EqualsItsFormulaAndItsLimit) {
+  for (double q = 0; q < 1; q += 0.0173) {
+    for (const double shape : {0.2, 0.4, 1.0, 3.0}) {
+      const long double a = 1 / (static_cast<long double>(shape) * shape);
+      const long double end = std::exp(-a);
+      const double wanted = static_cast<double>((std::exp(-a * q * q) - end) / (1 - end));
+      EXPECT_NEAR(evaluate(Gaussian{shape}, q).value, wanted, 1e-15 + 4e-15 * wanted) << shape;
+    }
+    for (const double shape : {1e9, 1e100, 1e200}) {
+      EXPECT_NEAR(evaluate(Gaussian{shape}, q).value, 1 - q * q, 4e-16) << shape;
+      EXPECT_NEAR(evaluate(Gaussian{shape}, q).slope, -2 * q, 8e-16) << shape;
+      const auto x = static_cast<float>(q);
+      EXPECT_NEAR(Gaussian{shape}(x), 1 - x * x, 3e-7f) << shape;
+    }
+    // The other limit: nothing but what lies on the target.
+    EXPECT_EQ(evaluate(Gaussian{1e-200}, q).value, q == 0 ? 1 : 0);
+  }
+}
+
+TEST(Weights, BadParametersAreNamed) {
+  using ::testing::HasSubstr;
+  for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_THAT(testing::message_of([&] { WeightFunction{Gaussian{bad}}; }),
+                HasSubstr("shape of the weight Gaussian = "));
+    EXPECT_THAT(testing::message_of([&] { WeightFunction{InverseDistance{bad}}; }),
+                HasSubstr("softening of the weight InverseDistance = "));
+  }
+}
+
+TEST(Weights, BadValuesAreNamed) {
+  struct Broken {
+    double value, slope;
+    double operator()(double q) const { return q < 0.5 ? 1 : value; }
+    double derivative(double q) const { return q < 0.5 ? 0 : slope; }
+  };
+  using ::testing::HasSubstr;
+  const std::vector<double> q{0.25, 0.75, 1.5};
+  std::vector<double> w(3), slope(3);
+  const auto said = [&](const Broken& weight) {
+    return testing::message_of(
+        [&] { WeightFunction(weight).evaluate(q.data(), w.data(), slope.data(), q.size()); });
+  };
+  EXPECT_THAT(said({1, 0}), HasSubstr("no InvalidArgument"));
+  for (const double bad : {-1.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_THAT(said({bad, 0}), HasSubstr("weight w(q) at q = 0.75 = "));
+    EXPECT_THAT(said({bad, 0}), HasSubstr("must be finite and not negative"));
+  }
+  EXPECT_THAT(said({1, HUGE_VAL}), HasSubstr("derivative w'(q) of the weight at q = 0.75 = inf"));
 }
 
 TEST(Weights, NamesGoBothWays) {

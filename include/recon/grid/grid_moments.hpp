@@ -11,13 +11,14 @@
 //     R>.
 //
 // solve() no longer has the particles. Where the moment matrix is not safe it lowers the degree
-// until it is: status is then `reduced`, and the value may differ from that of
+// until it is (by the bound of FitReport::amplification, where that exceeds the leverage limit):
+// status is then `reduced`, and the value may differ from that of
 // reconstruct_on_grid(), which would keep the directions that the particles do resolve. Elsewhere
 // both agree to rounding.
 //
 // Memory: per_node() numbers a node, 23 for a velocity in 3-D at degree 1. Throws InvalidArgument
-// as reconstruct_on_grid() does, and where moments of different grids, options or components are
-// added.
+// as reconstruct_on_grid() does, for a limit (the range of the data is not among the moments), and
+// where moments of different grids, options or components are added.
 #pragma once
 
 #include <memory>

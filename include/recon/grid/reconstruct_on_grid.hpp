@@ -23,7 +23,9 @@
 //
 // Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument for
 // sizes and dimensions that differ, bad options, coordinates and data that are not finite (naming
-// the particle and the component) and negative m_p.
+// the particle and the component), negative m_p, and results that are too large for the precision
+// (naming the node). The unit of m_p does not matter. Sums of any number of particles are good to a
+// few roundings.
 //
 // Cost: linear in the number of particles. Memory beyond the result: 4 bytes for each particle,
 // half a byte for each node, and per thread about a megabyte of moments. The same bits for any
@@ -35,6 +37,7 @@
 
 #include "recon/grid/grid_options.hpp"
 #include "recon/operators/fit_summary.hpp"
+#include "recon/operators/limit.hpp"
 #include "recon/points/make_view.hpp"
 #include "recon/points/structured_grid.hpp"
 
@@ -47,10 +50,12 @@ class BasicGridReconstruction {
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
   BasicGridReconstruction() = default;
-  BasicGridReconstruction(Matrix values, Matrix gradients, FitReports reports)
+  BasicGridReconstruction(Matrix values, Matrix gradients, FitReports reports,
+                          LimitCount limited = {})
       : values_(std::move(values)),
         gradients_(std::move(gradients)),
-        reports_(std::move(reports)) {}
+        reports_(std::move(reports)),
+        limited_(std::move(limited)) {}
 
   // A row per node; the components of all fields, in the order in which they were given.
   const Matrix& values() const& { return values_; }
@@ -59,10 +64,13 @@ class BasicGridReconstruction {
   const Matrix& gradients() const& { return gradients_; }
   Matrix gradients() && { return std::move(gradients_); }
   const FitReports& report() const { return reports_; }
+  // What GridOptions::limit changed, per node; empty without it.
+  const LimitCount& limited() const { return limited_; }
 
  private:
   Matrix values_, gradients_;
   FitReports reports_;
+  LimitCount limited_;
 };
 
 using GridReconstruction = BasicGridReconstruction<double>;

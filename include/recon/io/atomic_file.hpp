@@ -1,9 +1,10 @@
 // A file that appears complete or not at all.
 //
-// Bytes go to a temporary file beside the target; commit() writes what is buffered, checks that the
-// disk took it, and renames the temporary file to the target in one step. Until then a file that
-// was there before is untouched. Without a commit (an exception on the way) the temporary file is
-// removed.
+// Bytes go to an unnamed file in the folder of the target; commit() writes what is buffered, checks
+// that the disk took it, and puts it in place of the target in one step. Until then a file that was
+// there before is untouched. Without a commit (an exception on the way, a signal, a crash) nothing
+// is left, as the file never had a name. On file systems that know no unnamed files (NFS) it is
+// called .recon-<process>-<number>.part; then it is removed unless the process is killed.
 //
 // A symbolic link is followed, and the permissions of a file that is replaced are kept. Refused
 // with FileError: a directory that is missing or not writable, a target that is a directory, a
@@ -20,7 +21,8 @@ namespace recon {
 
 class AtomicFile {
  public:
-  explicit AtomicFile(const std::filesystem::path& target);
+  // named: as on a file system that knows no unnamed files.
+  explicit AtomicFile(const std::filesystem::path& target, bool named = false);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -30,15 +32,18 @@ class AtomicFile {
 
   // For another program that writes the file: what it writes follows what was written before.
   int descriptor() const { return descriptor_; }
+  // A path under which this process can open the file until the commit.
   const std::filesystem::path& temporary() const { return temporary_; }
 
  private:
   void flush();
   void discard() noexcept;
+  bool put_in_place() noexcept;  // false: errno says why
   [[noreturn]] void fail(const std::string& action, int error);
 
   std::filesystem::path asked_, target_, temporary_;
   int descriptor_ = -1;
+  bool named_ = false;
   std::string buffer_;
 };
 

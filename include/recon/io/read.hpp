@@ -2,26 +2,37 @@
 //
 // Formats are told apart by what a file contains, not by its name, and gzip is undone on the way:
 //
-//   LAMMPS text dump    one or more frames; orthogonal boxes (a triclinic one is refused); columns
-//   of
-//                       any kind in any order; boundary flags give the periodic axes. Scaled
+//   LAMMPS text dump    one or more frames; columns of any kind in any order; boundary flags give
+//                       the periodic axes. Boxes are orthogonal or triclinic, restricted (tilts xy,
+//                       xz, yz) or general (abc origin): see ParticleTable::set_cell(). Scaled
 //                       coordinates xs, ys, zs become columns x, y, z, and xsu, ysu, zsu become
-//                       xu, yu, zu (x = lower + xs (upper - lower)), unless those are there
-//                       already.
+//                       xu, yu, zu (x = origin + xs a + ys b + zs c with the edges of the box),
+//                       unless those are there already.
 //   delimited text      commas, semicolons, tabs or blanks, with a line of column names before the
-//                       numbers, which may start with '#'. Other lines that start with '#', and
-//                       blank lines, are skipped; names and cells may stand in double quotes (""
-//                       inside for one quote). A unit stays part of the name: "x [m]". An empty
-//                       name becomes column_<number>. Decimal sign is the point, whatever the
-//                       locale.
+//                       numbers, which may start with '#' or '%', or the names from the options.
+//                       Other lines that start with '#' or '%', and blank lines, are skipped; names
+//                       and cells may stand in double quotes ("" inside for one quote). A unit stays
+//                       part of the name: "x [m]". A first row without any number, before one that
+//                       has some, holds units: it is no particle, and told in a remark. An empty name
+//                       becomes column_<number>. Decimal sign is the point, whatever the locale.
 //
-// Rows keep the order of the file. A column whose first cell that is not empty is no number holds
-// text: it is left out and listed in text_columns() and remarks. Columns of coordinates never do.
+// Rows keep the order of the file. Columns are typed when they are used (ParticleTable): text, empty
+// cells, numbers too large for double and names that several columns have are no error until a
+// column is asked for. Names that are not UTF-8 are read as Latin-1 (Windows-1252) and converted.
 //
 // What is wrong with a file throws FileError with the line: a broken or missing line, a wrong
-// number of cells, text among numbers, a number too large for double, a damaged or cut gzip stream,
-// an unknown format. Cells that are empty or nan are kept as NaN, which the table reports when the
-// column is used.
+// number of cells, a damaged or cut gzip stream, bytes behind the gzip data, an unknown format.
+//
+// A file that ends within a frame (a run that was stopped, a copy that was broken off): the frames
+// before it are listed and read, with a remark; asking for the cut one is an error, and so is a
+// file without a whole frame. Where the last line is complete but for its line break, its last
+// number may lack figures: a remark says so.
+//
+// All frames, with the memory of one:
+//
+//   recon::FrameReader frames("chute.dump.gz");
+//   while (std::optional<recon::ParticleTable> table = frames.next()) use(*table);
+//   if (!frames.cut().empty()) warn(frames.cut());
 //
 // Cost: one pass over the file to find the frames, and one over the frame asked for; memory for
 // that frame only. A frame counted from the front is read without looking at what comes after it.
@@ -29,8 +40,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "recon/fields/particle_table.hpp"
@@ -44,18 +57,71 @@ struct FrameInfo {
   std::size_t particles = 0;
   std::vector<std::string> columns;  // names, as in the file
   std::size_t line = 0;              // where the frame begins
+  std::string units;                 // of LAMMPS: "lj", "si", ..., where the file says it
 };
 
 struct ReadOptions {
-  int frame = -1;  // counted from 0; negative from the end: -1 is the last
+  // One frame, by one of these: its number, counted from 0, or from the end (-1 is the last); its
+  // step; its time (to 1e-9 of it). FrameReader takes all frames and looks at none of them.
+  int frame = -1;
+  std::optional<std::int64_t> step = {};
+  std::optional<double> time = {};
+  // Names of all columns, in place of those of the file, which then needs none.
+  std::vector<std::string> columns = {};
+  // Lines at the beginning of the file that are not looked at.
+  std::size_t skip_rows = 0;
+  // What stands for "no value": see ParticleTable::declare_missing(). Particles without a value in a
+  // column that is used are left out by ParticleTable::leave_out_missing().
+  std::vector<std::string> missing = {};
 };
 
-// All frames of a file, in the order of the file. Delimited text is one frame.
-std::vector<FrameInfo> list_frames(const std::filesystem::path& path);
+// All whole frames of a file, in the order of the file, whatever frame the options ask for.
+// Delimited text is one frame.
+std::vector<FrameInfo> list_frames(const std::filesystem::path& path,
+                                   const ReadOptions& options = {});
 
-// The particles of one frame. Throws FileError for a frame that the file does not have, telling how
-// many there are, and for a file that is not there, naming files of that directory with a like
-// name.
+// The particles of one frame. Throws FileError for a frame that the file does not have, telling
+// which there are, and for a file that is not there, naming files of that directory with a like
+// name; InvalidArgument where more than one of frame (other than -1), step and time is given.
 ParticleTable read_particles(const std::filesystem::path& path, const ReadOptions& options = {});
+
+// The same from bytes in memory, as a file would have them (gzip too); `name` stands in messages.
+std::vector<FrameInfo> list_frames_of(std::string_view bytes, const ReadOptions& options = {},
+                                      const std::string& name = "memory");
+ParticleTable read_particles_of(std::string_view bytes, const ReadOptions& options = {},
+                                const std::string& name = "memory");
+
+// Walks through the frames of a file in one pass, with the memory of one frame.
+class FrameReader {
+ public:
+  // Throws FileError for a file that is not there or of no known format.
+  explicit FrameReader(const std::filesystem::path& path, const ReadOptions& options = {});
+  ~FrameReader();
+  FrameReader(FrameReader&&) noexcept;
+  FrameReader& operator=(FrameReader&&) noexcept;
+
+  // The next frame as read_particles() gives it; nothing behind the last whole one. Throws
+  // FileError for what is wrong within a frame, and where not even the first one is whole.
+  std::optional<ParticleTable> next();
+  // Passes over a frame without reading its atoms; what it is, or nothing at the end.
+  std::optional<FrameInfo> skip();
+
+  // Number of the frame that the next call gives, counted from 0.
+  std::size_t position() const;
+  // After the last whole frame: where and why the file ends within a frame; else empty.
+  const std::string& cut() const;
+  // Part of the file's bytes that were read, from 0 to 1.
+  double progress() const;
+
+ private:
+  struct State;
+  static std::vector<FrameInfo> list(State& state);
+  friend std::vector<FrameInfo> list_frames(const std::filesystem::path&, const ReadOptions&);
+  friend ParticleTable read_particles(const std::filesystem::path&, const ReadOptions&);
+  friend std::vector<FrameInfo> list_frames_of(std::string_view, const ReadOptions&,
+                                               const std::string&);
+  friend ParticleTable read_particles_of(std::string_view, const ReadOptions&, const std::string&);
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace recon

@@ -3,6 +3,7 @@
 //   .csv   write_csv   points and their fields as delimited text
 //   .vti   write_vti   fields at the nodes of a structured grid (VTK ImageData)
 //   .vtp   write_vtp   fields at scattered points (VTK PolyData, one vertex per point)
+//   .pvd   write_pvd   a series of such files with their times (ParaView collection)
 //
 // write() chooses by the extension. All of them write the whole file or none of it
 // (atomic_file.hpp).
@@ -17,8 +18,10 @@
 // VTK. Little-endian on any machine, raw binary appended to the XML, 64-bit headers, no
 // compression; cost and size are those of the numbers. Step and time of the FieldSet become field
 // data under the names "step" and "TimeValue" (the one that ParaView takes for the time).
-// Components are named x, y, z where the field has as many as there are dimensions. Missing axes of
-// a 1-D or 2-D grid or cloud are written as one node, or zero. The writer is recon's own because
+// Vectors are written with three components x, y, z and tensors with nine, xx, xy, ..., zz, whatever
+// the dimension (FieldKind says which is which; components that the data lack are 0): arrows, warps
+// and stream lines take nothing else. Missing axes of a 1-D or 2-D grid or cloud are written as one
+// node, or zero. The writer is recon's own because
 // the only packaged one is VTK itself: 257 packages and 0.8 GB on Debian 12 for 200 lines.
 //
 // Wrong input throws InvalidArgument: fields that are not one value per point, a coordinate that is
@@ -26,6 +29,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "recon/fields/field_set.hpp"
 #include "recon/io/error.hpp"
@@ -40,6 +44,14 @@ void write_vti(const std::filesystem::path& path, const StructuredGrid<double>& 
                const FieldSet& fields);
 void write_vtp(const std::filesystem::path& path, const PointsView<double>& points,
                const FieldSet& fields);
+
+// A file of a series: its name as the .pvd has it (relative to that one's folder) and its time.
+struct TimedFile {
+  double time = 0;
+  std::filesystem::path file;
+};
+// Throws InvalidArgument for a time that is not finite, a name that is not UTF-8.
+void write_pvd(const std::filesystem::path& path, const std::vector<TimedFile>& files);
 
 // By extension: .csv or .vti for a grid, .csv or .vtp for points. FileError for another one.
 void write(const std::filesystem::path& path, const StructuredGrid<double>& grid,

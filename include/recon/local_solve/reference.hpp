@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <type_traits>
 
 #include "recon/basis/monomials.hpp"
 #include "recon/local_solve/local_cloud.hpp"
@@ -34,29 +35,33 @@ class ReferenceFit {
     fit_.start(cloud, B::size);
     if (cloud.size < B::size) return false;
     const int n = cloud.size;
-    using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+    // Floats are worked out in double: Eigen's sums are plain, and lose three digits over a million
+    // particles.
+    using Work = std::conditional_t<std::is_same_v<T, float>, double, T>;
+    using Matrix = Eigen::Matrix<Work, Eigen::Dynamic, Eigen::Dynamic>;
     Matrix a(n, B::size);
-    T weight_sum = T(0);
+    Work weight_sum = Work(0);
     for (int p = 0; p < n; ++p) {
       std::array<T, B::size> values;
       B::evaluate(cloud.at(p), values.data());
       for (int j = 0; j < B::size; ++j) a(p, j) = fit_.root_weights()[p] * values[j];
-      weight_sum += cloud.w[p];
+      weight_sum += Work(cloud.w[p]);
     }
     // Columns of one length, as in the moment matrix scaled to unit diagonal.
-    const Eigen::Matrix<T, 1, Eigen::Dynamic> length = a.colwise().norm();
+    const Eigen::Matrix<Work, 1, Eigen::Dynamic> length = a.colwise().norm();
     const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
-    const T shortest = std::sqrt(thresholds.clear2 * weight_sum);
+    const Work shortest = std::sqrt(Work(thresholds.clear2) * weight_sum);
     for (int j = 0; j < B::size; ++j)
-      if (!(length[j] > T(0)) || (B::degree >= 1 && j < B::begin(2) && !(length[j] > shortest)))
+      if (!(length[j] > Work(0)) || (B::degree >= 1 && j < B::begin(2) && !(length[j] > shortest)))
         return false;
     for (int j = 0; j < B::size; ++j) a.col(j) /= length[j];
     Matrix origin(B::size, detail::jet_size(D));
     for (int j = 0; j < B::size; ++j)
-      for (int c = 0; c < detail::jet_size(D); ++c) origin(j, c) = T(B::origin(j, c)) / length[j];
+      for (int c = 0; c < detail::jet_size(D); ++c)
+        origin(j, c) = Work(B::origin(j, c)) / length[j];
 
     Matrix q, jets;
-    T smallest;  // the smallest singular value or diagonal entry of R, relative to the largest
+    Work smallest;  // the smallest singular value or diagonal entry of R, relative to the largest
     if (solver_ == Solver::qr) {
       const Eigen::ColPivHouseholderQR<Matrix> qr(a);
       const Matrix r = qr.matrixR().topRows(B::size);
@@ -73,15 +78,16 @@ class ReferenceFit {
     }
     if (!(smallest * smallest > thresholds.clear2)) return false;
     for (int j = 0; j < B::size; ++j) {
-      std::copy(q.col(j).data(), q.col(j).data() + n, fit_.next_column());
-      for (int c = 0; c < detail::jet_size(D); ++c) fit_.next_jet()[c] = jets(j, c);
+      for (int p = 0; p < n; ++p) fit_.next_column()[p] = T(q(p, j));
+      for (int c = 0; c < detail::jet_size(D); ++c) fit_.next_jet()[c] = T(jets(j, c));
       fit_.keep();
     }
-    const T amplification2 = weight_sum * fit_.christoffel();
+    const T amplification2 = T(weight_sum) * fit_.christoffel();
     if (!(amplification2 <= T(tolerances_.leverage * tolerances_.leverage))) return false;
-    report.rcond = static_cast<float>(smallest * smallest);
+    report.smallest_pivot = static_cast<float>(smallest * smallest);
     report.amplification = static_cast<float>(std::sqrt(amplification2));
     detail::report_full<B>(report);
+    fit_.template resolve_gradient<B>(weight_sum, tolerances_, report);
     return true;
   }
 

@@ -4,7 +4,8 @@
 // The terms of the basis, times sqrt(w_p), become orthonormal columns u_j, graded by degree, the
 // constant first. This is the fast half of gram_schmidt.hpp, which also says what happens to the
 // rest: a target is regular where every term keeps a clear independent part (Thresholds::clear2 of
-// its square), and the whole fit amplifies data errors by no more than the leverage limit.
+// its square), and the whole fit amplifies data errors by no more than the leverage limit, by the
+// bound of FitReport::amplification.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane. Lanes that are not regular go
 // through the same arithmetic with harmless numbers; what they leave is to be ignored.
@@ -15,6 +16,7 @@
 #include <cmath>
 
 #include "recon/core/lanes.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/local_solve/orthonormal_fit.hpp"
 
@@ -28,14 +30,15 @@ class RegularGramSchmidt {
 
   explicit RegularGramSchmidt(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
 
-  // Orthonormalises the basis on the cloud; false where that needs a closer look.
+  // Orthonormalises the basis on the cloud; false where that needs a closer look. What the gradient
+  // is worth is a question of its own: gradient_resolved().
   Mask fit(const LocalCloud<T, D>& cloud) {
     using std::sqrt;
     const int n = cloud.size;
     fit_.start(cloud, B::size);
-    weight_sum_ = T(0);
-    for (int p = 0; p < n; ++p) weight_sum_ += cloud.w[p];
-    rcond_ = T(1);
+    weight_sum_ = detail::sum_of<T>(n, [&](int p) RECON_INLINE_LAMBDA { return cloud.w[p]; });
+    smallest_pivot_ = T(1);
+    independent_ = Mask(false);
     Mask regular = weight_sum_ > T(0);
     if (n < B::size) return Mask(false);
 
@@ -58,18 +61,33 @@ class RegularGramSchmidt {
       regular = regular && part > thresholds.clear2 * whole;
       if (B::degree >= 1 && j < B::begin(2)) regular = regular && part > shortest;
       if (!any_lane(regular)) return regular;
-      rcond_ = smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), rcond_);
+      smallest_pivot_ =
+          smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), smallest_pivot_);
       const T scale = T(1) / sqrt(select(regular, part, T(1)));
       for (int p = 0; p < n; ++p) column[p] *= scale;
       for (T& coefficient : jet) coefficient *= scale;
       fit_.keep();
     }
+    independent_ = regular;
     amplification_ = sqrt(select(regular, weight_sum_ * fit_.christoffel(), T(0)));
+    T total = T(0), largest = T(0);
+    for (const T& slope : fit_.slopes2()) {
+      total += slope;
+      largest = larger(slope, largest);
+    }
+    gradient_amplification_ = sqrt(select(regular, weight_sum_ * largest, T(0)));
+    gradient_resolved_ =
+        weight_sum_ * total <= T(detail::gradient_limit2<ScalarOf<T>>(tolerances_, B::degree));
     return regular && amplification_ <= T(static_cast<ScalarOf<T>>(tolerances_.leverage));
   }
 
-  // FitReport::rcond and FitReport::amplification; the sum of the weights.
-  const T& rcond() const { return rcond_; }
+  // All terms are clearly independent: at most the amplification is in doubt.
+  const Mask& independent() const { return independent_; }
+  // Where fit() is true: all directions have a slope that is clearly resolved.
+  const Mask& gradient_resolved() const { return gradient_resolved_; }
+  const T& gradient_amplification() const { return gradient_amplification_; }
+  // FitReport::smallest_pivot and FitReport::amplification; the sum of the weights.
+  const T& smallest_pivot() const { return smallest_pivot_; }
   const T& amplification() const { return amplification_; }
   const T& weight_sum() const { return weight_sum_; }
 
@@ -82,14 +100,14 @@ class RegularGramSchmidt {
 
  private:
   static T square(const T* a, int n) {
-    T sum = T(0);
-    for (int p = 0; p < n; ++p) sum += a[p] * a[p];
-    return sum;
+    return detail::sum_of<T>(n, [&](int p) RECON_INLINE_LAMBDA { return a[p] * a[p]; });
   }
 
   FitTolerances tolerances_;
   OrthonormalFit<T, D> fit_;
-  T weight_sum_ = T(0), rcond_ = T(1), amplification_ = T(0);
+  T weight_sum_ = T(0), smallest_pivot_ = T(1), amplification_ = T(0),
+    gradient_amplification_ = T(0);
+  Mask independent_ = Mask(false), gradient_resolved_ = Mask(false);
 };
 
 }  // namespace recon

@@ -16,10 +16,11 @@ enum class Solver : std::uint8_t {
 };
 
 enum class FitStatus : std::uint8_t {
-  full,       // all terms up to the asked degree
-  reduced,    // some terms dropped: `degree` says what is still reproduced
-  nearest,    // no particle in the support: the value of the nearest one (if the caller chose so)
-  no_support  // no particle in the support: no value
+  full,        // all terms up to the asked degree
+  reduced,     // some terms dropped: `degree` says what is still reproduced
+  nearest,     // no particle in the support: the value of the nearest one (if the caller chose so)
+  no_support,  // no particle in the support: no value
+  too_far      // farther from every particle than Options::max_distance allows: no value
 };
 
 constexpr std::string_view name_of(Solver solver) {
@@ -27,7 +28,8 @@ constexpr std::string_view name_of(Solver solver) {
   return names[static_cast<std::size_t>(solver)];
 }
 constexpr std::string_view name_of(FitStatus status) {
-  constexpr std::array<std::string_view, 4> names{"full", "reduced", "nearest", "no_support"};
+  constexpr std::array<std::string_view, 5> names{"full", "reduced", "nearest", "no_support",
+                                                  "too_far"};
   return names[static_cast<std::size_t>(status)];
 }
 
@@ -39,16 +41,28 @@ struct FitReport {
   std::int8_t degree = -1;       // all polynomials up to this degree are reproduced; -1: none
   FitStatus status = FitStatus::no_support;
   Solver solver = Solver::gram_schmidt;  // the one that gave the result
+  // Directions in which the gradient is resolved: those in which linear terms are kept and the
+  // particles extend at least FitTolerances::gradient_extent support radii. gradient() is 0 in the
+  // rest. Below the dimension on lines and in sheets, however noisy; 0 at degree 0.
+  std::uint8_t gradient_rank = 0;
   // Independent directions kept within each degree: {1, 1, 0} in 2-D is what a cloud on a line
-  // gives. kept[1] is the number of directions in which a gradient is resolved.
+  // gives.
   std::array<std::uint8_t, max_degree + 1> kept{};
   // Smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with p_j
-  // the part of term q_j that is independent of the terms before it. An upper bound of the
-  // reciprocal condition number; 1 for orthogonal terms, 0 where there is no fit.
-  float rcond = 0;
+  // the part of term q_j that is independent of the terms before it. The reciprocal condition
+  // number of that matrix is at most this, and can be much smaller (a 27th was met); 1 for
+  // orthogonal terms, 0 where there is no fit.
+  float smallest_pivot = 0;
   // A bound of sum_p |phi_p|, the factor by which the fit can amplify errors in the data:
-  // sqrt(sum_p w_p * e^T M^-1 e). 1 for Shepard; it grows as the target leaves the particles.
+  // sqrt(sum_p w_p * e^T M^-1 e). 1 for Shepard; it grows as the target leaves the particles. Where
+  // the bound exceeds FitTolerances::leverage, as beside a dense cluster, it is sum_p |phi_p|
+  // itself, which then decides.
   float amplification = 0;
+  // The same for the slopes of the local polynomial, in the resolved directions: a bound of
+  // rho sum_p |d phi_p / d x_d|, the largest over the axes, sqrt(sum_p w_p * e_d^T M^-1 e_d).
+  // Errors of the data divided by the support, times this, are those of the gradient. 0 where
+  // nothing is resolved.
+  float gradient_amplification = 0;
 
   friend bool operator==(const FitReport&, const FitReport&) = default;
 };

@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -103,6 +104,9 @@ struct Problem {
   TimeOptions time;
   Limits limits;
   int threads = 0;  // 0: all
+  // Of what functions and initial values were made, by key: read_problem() fills it. A checkpoint
+  // belongs to problems with the same texts; what is not told here cannot be compared.
+  std::map<std::string, std::string> formulas{};
 
   // Velocity, velocity gradient and body force are made those of `exact`.
   void follow_exact();

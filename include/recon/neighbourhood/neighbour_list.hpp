@@ -28,12 +28,19 @@ using ImageShift = std::array<std::int8_t, max_dimension>;
 // empty in domains that are not periodic; else it has an entry per index. `support` holds the
 // support radius rho (a length) of every target. An Array is a std::vector whose resize() does not
 // set new elements to zero; a list of your own is copied with assign(begin, end).
+//
+// `support_factor` says what supports do while a target moves, which exact gradients must know. 0:
+// they stand still. Else rho is support_factor times the distance to the farthest neighbour (in a
+// cube: along one axis), and follows it; a target whose rho is not that one has a support that
+// stands still. Nearest{k, factor} makes lists with its factor, all other rules make lists with 0;
+// a list of your own has 0 unless you set it.
 template <class Scalar>
 struct NeighbourList {
   Array<std::int64_t> offsets{0};
   Array<ParticleIndex> indices;
   Array<ImageShift> shifts;
   Array<Scalar> support;
+  Scalar support_factor = 0;
 
   std::size_t targets() const { return offsets.size() - 1; }
   std::int64_t count(std::size_t target) const { return offsets[target + 1] - offsets[target]; }
@@ -44,7 +51,7 @@ struct NeighbourList {
   // Throws InvalidArgument unless the list is one for `target_count` targets among `particle_count`
   // particles: offsets start at 0, never fall and end at the number of indices; every index is
   // smaller than particle_count; shifts are absent or one per index; supports are positive
-  // and finite.
+  // and finite; support_factor is 0, or finite and at least 1.
   void validate(std::size_t target_count, std::size_t particle_count) const;
 };
 

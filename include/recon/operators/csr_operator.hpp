@@ -7,10 +7,16 @@
 // pass. The transpose takes target data back to particles, for example nodal forces:
 //     out(p, c) = sum over the entries e with index p of  sum_b value(e, b) * in(row(e), c * blocks
 //     + b) .
-// <apply(u), f> = <u, apply_transpose(f)> to rounding. Sums run in a fixed order: the same bits for
-// any number of threads.
+// <apply(u), f> = <u, apply_transpose(f)> to rounding, whatever the number of entries of a row or
+// column (core/sums.hpp). Sums run in a fixed order: the same bits for any number of threads.
+//
+// Data near the largest number of the precision are no trouble by themselves: a sum that overflows
+// on its way is formed again with scaled factors. A result that is too large itself throws
+// InvalidArgument, naming target (or particle) and component. Results are never NaN or infinite,
+// but for `fill`.
 //
 // Rows without support hold no entries; apply() writes `fill` there, the transpose ignores them.
+// An operator is linear and never limited; limiting is a way to apply a reconstruction (limit.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -21,6 +27,7 @@
 
 #include "recon/core/array.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
+#include "recon/operators/limit.hpp"
 #include "recon/points/view.hpp"
 
 namespace recon {
@@ -57,6 +64,9 @@ struct SparsityPattern {
   mutable Transposed transposed_;
   mutable std::vector<std::uint32_t> row_of_;
 };
+
+template <class Scalar>
+class BasicReconstruction;
 
 template <class Scalar>
 class CsrOperator {
@@ -112,6 +122,11 @@ class CsrOperator {
   void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
 
  private:
+  // For a reconstruction, whose values may be limited: `limited` has a count per target.
+  friend class BasicReconstruction<Scalar>;
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, Limit limit,
+             std::uint32_t* limited) const;
+
   std::shared_ptr<const SparsityPattern<Scalar>> pattern_ =
       std::make_shared<SparsityPattern<Scalar>>();
   Array<Scalar> values_;  // entry-major: [e * blocks + b]

@@ -24,6 +24,7 @@
 
 #include "recon/operators/csr_operator.hpp"
 #include "recon/operators/fit_summary.hpp"
+#include "recon/operators/limit.hpp"
 #include "recon/points/make_view.hpp"
 #include "recon/shape/options.hpp"
 #include "recon/shape/shape_kernel.hpp"
@@ -41,15 +42,17 @@ class BasicReconstruction {
                       const Options& options);
 
   // With neighbours of your own: options.neighbours, search, visible and grow are not used. In a
-  // periodic domain the list must have shifts.
+  // periodic domain the list must have shifts. What its supports do while a target moves, and hence
+  // the exact gradient, is said by NeighbourList::support_factor: by default they stand still.
   BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets,
                       NeighbourList<Scalar> neighbours, const Options& options);
 
-  // sum_p phi_p(x_t) u_p for every target t and component; see CsrOperator.
-  Matrix apply(const FieldView<Scalar>& field) const { return values_.apply(field); }
-  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const {
-    values_.apply(field, out);
-  }
+  // sum_p phi_p(x_t) u_p for every target t and component; see CsrOperator. With {.limit =
+  // Limit::range} each value is kept in the range of the data it is made of, with Limit::relaxed
+  // near it, as limit.hpp says; no other function here limits anything.
+  Matrix apply(const FieldView<Scalar>& field, const Apply& how = {}) const;
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
+             const Apply& how = {}) const;
   // sum_t phi_p(x_t) f_t for every particle p.
   Matrix apply_transpose(const FieldView<Scalar>& field) const {
     return values_.apply_transpose(field);
@@ -61,14 +64,16 @@ class BasicReconstruction {
   const CsrOperator<Scalar>& values() const { return values_; }
 
   // The gradient of the reconstructed field (1/length), D blocks. exact: of x -> sum_p phi_p(x)
-  // u_p, through weights, supports and solve. diffuse: of the local polynomial, cheaper and of the
-  // same order for degree >= 1; at degree 0 it is zero. In a direction that the particles do not
-  // resolve (report()[t].kept[1] < dimension) the local polynomial has slope 0, and the exact
-  // gradient is that of the reduced fit. Computed at each call: keep the result.
+  // u_p, through weights, supports and solve: the support of the k nearest moves with them, others
+  // stand still, and of a list of your own its support_factor says which. diffuse: of the local
+  // polynomial, cheaper and of the same order for degree >= 1; at degree 0 it is zero. report()[t]
+  // says in how many directions it is resolved (gradient_rank) and how much it amplifies errors of
+  // the data; in the other directions, across lines and thin sheets, both kinds are zero, for
+  // degree >= 1. Computed at each call: keep the result.
   CsrOperator<Scalar> gradient(Derivative kind = Derivative::exact) const;
 
   // The second derivatives of the local polynomial (1/length^2), D (D + 1) / 2 blocks; zero below
-  // degree 2.
+  // degree 2, and in directions in which the gradient is not resolved.
   CsrOperator<Scalar> hessian() const;
 
   const FitReports& report() const { return reports_; }

@@ -137,6 +137,40 @@ PointList<Scalar, D> duplicated_points(std::size_t count, std::size_t copies, st
   return points;
 }
 
+// A dense cloud with holes, as a flow around obstacles leaves them: jittered_points of n^D cells (by
+// 0.3 of a cell) without those in `holes` balls of the given radius, at random places.
+template <class Scalar, int D>
+PointList<Scalar, D> points_with_holes(std::size_t n, std::size_t holes, double radius,
+                                       std::uint64_t seed) {
+  RandomNumbers random(seed);
+  const auto centres = random_points<Scalar, D>(holes, random.next());
+  PointList<Scalar, D> points;
+  for (const auto& x : jittered_points<Scalar, D>(n, 0.3, random.next())) {
+    bool outside = true;
+    for (const auto& centre : centres) {
+      double square = 0;
+      for (int d = 0; d < D; ++d) {
+        const double offset = static_cast<double>(x[d]) - static_cast<double>(centre[d]);
+        square += offset * offset;
+      }
+      outside = outside && square > radius * radius;
+    }
+    if (outside) points.push_back(x);
+  }
+  return points;
+}
+
+// A heap on the bottom of the cube: jittered_points of n^D cells (by 0.3 of a cell) below a surface
+// whose height falls from 0.9 to 0.1 along the first axis. The box of the points is half empty.
+template <class Scalar, int D>
+PointList<Scalar, D> heap_points(std::size_t n, std::uint64_t seed) {
+  PointList<Scalar, D> points;
+  for (const auto& x : jittered_points<Scalar, D>(n, 0.3, seed))
+    if (static_cast<double>(x[D - 1]) < 0.1 + 0.8 * std::pow(1 - static_cast<double>(x[0]), 2))
+      points.push_back(x);
+  return points;
+}
+
 // Random points with the first coordinate in [1/2, 1): a target at x < 1/2 sees them on one side.
 template <class Scalar, int D>
 PointList<Scalar, D> one_sided_points(std::size_t count, std::uint64_t seed) {

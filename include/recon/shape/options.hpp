@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <span>
 
 #include "recon/core/instruction_set.hpp"
 #include "recon/local_solve/local_cloud.hpp"
@@ -32,8 +33,15 @@ struct Options {
   // w(q), q = |x - x_p| / rho; an enumerator or any object that is a RadialWeight.
   WeightFunction weight = Weight::cubic_b_spline;
   WeightForm form = WeightForm::radial;
+  // m_p, one number for each particle, for example its mass or volume: it multiplies w(q) in the
+  // fit, so that particles count in proportion to it. Positive and finite, none smaller than 1e-30
+  // times the largest; any unit, because only ratios matter. Empty: all ones. Read, and kept as a
+  // copy, when the reconstruction is made.
+  std::span<const double> particle_weights{};
   // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The
-  // default is the nearest twice as many particles as there are basis terms, plus one.
+  // default is the nearest twice as many particles as there are basis terms, plus one. The support
+  // of Nearest moves with the k-th neighbour, and exact gradients with it; all others, and those of
+  // a list of your own unless it says otherwise, stand still (NeighbourList::support_factor).
   NeighbourRule neighbours = Nearest{0};
   Solver solver = Solver::gram_schmidt;
 
@@ -44,6 +52,14 @@ struct Options {
   // visible(target, particle) == false hides a particle from a target. Called concurrently.
   Visibility visible{};
 
+  // Targets farther from every particle (that they see) than this many local spacings are not
+  // extrapolated to: their status is too_far, and they get fill_value, whatever `unsupported` says.
+  // The local spacing is the distance from the nearest particle to its (2 D + 3)rd neighbour, the
+  // last that a linear fit takes by default; copies at one place count once, and with `stretch`
+  // distances are those in stretched coordinates. No target among dense particles in 2-D and 3-D is
+  // as far as 2. Infinity: no limit.
+  double max_distance = std::numeric_limits<double>::infinity();
+
   Growth grow{};
   Unsupported unsupported = Unsupported::fill;
   double fill_value = std::numeric_limits<double>::quiet_NaN();
@@ -53,7 +69,7 @@ struct Options {
   InstructionSet instruction_set = InstructionSet::automatic;
 
   // Throws InvalidArgument for a value outside its range. Rules about neighbours are checked when
-  // they are searched.
+  // they are searched, the number of particle weights when the particles are known.
   void validate() const;
 };
 

@@ -31,12 +31,11 @@ struct ShapeProblem {
   const PointCloud<Scalar>& targets;
   const NeighbourList<Scalar>& neighbours;
   const PeriodicDomain<Scalar>& domain;
-  // 0: supports stand still while a target moves. Else rho = support_factor * distance to the
-  // farthest neighbour, and exact gradients follow it.
-  Scalar support_factor = 0;
   // Derivatives are multiplied by this per axis: 1 / stretch, where coordinates have been divided
   // by stretch.
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
+  // What multiplies the weight of each particle, > 0, the largest about 1. Null: all ones.
+  const Scalar* particle_weights = nullptr;
 };
 
 // Output arrays, null where not wanted. Entry e of the neighbour list has value[e], gradient[e * D

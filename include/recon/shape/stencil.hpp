@@ -2,8 +2,9 @@
 //
 //     xi = (x_p - x) / rho,   radial: w = w(|xi|),   tensor product: w = prod_d w(|xi_d|),
 //     d w / d x = -(sum_d dw/dxi_d (e_d + xi_d grad rho)) / rho .
-// Weights are divided by the largest, so that a fit does not see their scale. The arrays are kept
-// from target to target: nothing is allocated once warm. Use one object per thread.
+// With particle weights m_p, w and its derivatives are multiplied by them. Weights are divided by
+// the largest, so that a fit does not see their scale. The arrays are kept from target to target:
+// nothing is allocated once warm. Use one object per thread.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane: then particles are not dropped but
 // get the weight 0.
@@ -15,6 +16,7 @@
 #include <limits>
 #include <vector>
 
+#include "recon/core/error.hpp"
 #include "recon/core/lanes.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/weights/weight.hpp"
@@ -39,6 +41,7 @@ class Stencil {
     for (int d = 0; d < D; ++d) size = larger(T(abs(x[d])), size);
     noise_ = T(std::numeric_limits<Scalar>::epsilon()) * (size + rho) / rho;
     w_.resize(count);
+    weighs_particles_ = false;
     for (int d = 0; d < D; ++d)
       for (auto* array : {&xi_[d], &q_[d], &factor_[d], &slope_[d], &dw_[d]}) array->resize(count);
   }
@@ -47,11 +50,21 @@ class Stencil {
   // 0 for those that a lane does not have.
   Scalar* offsets(int d) { return reinterpret_cast<Scalar*>(xi_[d].data()); }
 
+  // Call it where particles have weights m_p >= 0 of their own, before weigh(); to be filled like
+  // offsets().
+  Scalar* particle_weights() {
+    weighs_particles_ = true;
+    particle_weight_.resize(count_);
+    return reinterpret_cast<Scalar*>(particle_weight_.data());
+  }
+
   // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose
   // weight is not above eps^2 of the largest: those change nothing in working precision.
-  // weights.evaluate(q, w, slope, n) has arrays of T. support_factor as in ShapeProblem.
+  // weights.evaluate(q, w, slope, n) has arrays of T. support_factor as in
+  // NeighbourList.
   template <class Weights>
-  void weigh(const Weights& weights, WeightForm form, bool slopes, Scalar support_factor = 0) {
+  void weigh(const Weights& weights, WeightForm form, bool slopes,
+             Scalar support_factor = Scalar(0)) {
     if constexpr (lanes == 1) {
       for (int d = 0; d < D; ++d)
         for (T& offset : xi_[d]) offset /= rho_;
@@ -62,6 +75,7 @@ class Stencil {
     }
     evaluate_weights(weights, form, slopes);
     if (slopes) differentiate(form, support_factor);
+    if (weighs_particles_) multiply_by_particle_weights(slopes);
     compact(slopes);
   }
 
@@ -94,7 +108,7 @@ class Stencil {
       for (int p = 0; p < count_; ++p) {
         T q2 = xi_[0][p] * xi_[0][p];
         for (int d = 1; d < D; ++d) q2 += xi_[d][p] * xi_[d][p];
-        q_[0][p] = sqrt(q2);
+        q_[0][p] = within_support(p, T(sqrt(q2)));
       }
       weights.evaluate(q_[0].data(), w_.data(), slopes ? slope_[0].data() : nullptr, count_);
       for (int p = 0; slopes && p < count_; ++p) {
@@ -104,7 +118,7 @@ class Stencil {
       }
     } else {
       for (int d = 0; d < D; ++d) {
-        for (int p = 0; p < count_; ++p) q_[d][p] = abs(xi_[d][p]);
+        for (int p = 0; p < count_; ++p) q_[d][p] = within_support(p, T(abs(xi_[d][p])));
         weights.evaluate(q_[d].data(), factor_[d].data(), slopes ? slope_[d].data() : nullptr,
                          count_);
       }
@@ -120,8 +134,27 @@ class Stencil {
           dw_[d][p] = sign(xi_[d][p]) * others;
         }
     }
+  }
+
+  // q, or for particles that a lane does not have 1: no weight is asked for them, and they get 0.
+  T within_support(int p, const T& q) const {
     if constexpr (lanes > 1)
-      for (int p = 0; p < count_; ++p) w_[p] = select(T(p) < present_, w_[p], T(0));
+      return select(T(p) < present_, q, T(1));
+    else
+      return q;
+  }
+
+  // By their ratio to the largest among the particles that count: the product stays in range.
+  void multiply_by_particle_weights(bool slopes) {
+    T largest = T(0);
+    for (int p = 0; p < count_; ++p)
+      largest = larger(select(w_[p] > T(0), particle_weight_[p], T(0)), largest);
+    const T inverse = T(1) / select(largest > T(0), largest, T(1));
+    for (int p = 0; p < count_; ++p) {
+      const T ratio = select(w_[p] > T(0), T(particle_weight_[p] * inverse), T(0));
+      w_[p] *= ratio;
+      for (int d = 0; slopes && d < D; ++d) dw_[d][p] *= ratio;
+    }
   }
 
   // -1, 0 or 1.
@@ -142,12 +175,13 @@ class Stencil {
   std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) const {
     using std::abs;
     std::array<T, D> gradient{};
-    if (!(support_factor > 0)) return gradient;
+    if (!(support_factor > Scalar(0))) return gradient;
     const T factor = T(support_factor);
     T distance = T(0);
     for (int p = 0; p < count_; ++p)
       for (int d = 0; d < (form == WeightForm::radial ? 1 : D); ++d) {
-        const auto farther = q_[d][p] > distance;
+        auto farther = q_[d][p] > distance;
+        if constexpr (lanes > 1) farther = farther && T(p) < present_;
         if (!any_lane(farther)) continue;
         distance = select(farther, q_[d][p], distance);
         for (int e = 0; e < D; ++e) {
@@ -167,7 +201,13 @@ class Stencil {
   void compact(bool slopes) {
     T largest = T(0);
     for (int p = 0; p < count_; ++p) largest = larger(w_[p], largest);
-    const auto usable = largest >= T(std::numeric_limits<Scalar>::min());
+    auto usable = largest >= T(std::numeric_limits<Scalar>::min());
+    if constexpr (lanes == 1) {
+      require(is_finite(largest), "largest product of weights at a target", largest,
+              "must be finite");
+    } else {
+      usable = usable && largest <= T(std::numeric_limits<Scalar>::max());
+    }
     const T inverse = T(1) / select(usable, largest, T(1));
     const T least = largest * T(std::numeric_limits<Scalar>::epsilon() *
                                 std::numeric_limits<Scalar>::epsilon());
@@ -199,7 +239,8 @@ class Stencil {
   int count_ = 0;
   T present_ = T(0), weighted_ = T(0), rho_ = T(1), noise_ = T(0);
   std::array<std::vector<T>, D> xi_, q_, factor_, slope_, dw_;
-  std::vector<T> w_;
+  std::vector<T> w_, particle_weight_;
+  bool weighs_particles_ = false;
   std::vector<int> place_;
 };
 

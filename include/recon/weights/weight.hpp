@@ -15,7 +15,7 @@
 //                           P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al. (2019) eq. 10.
 //   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions (Wendland
 //   1995). Gaussian                exp(-(q/c)^2), lowered so that it is continuous at q = 1
-//                           (Belytschko, Lu, Gu 1994), c = shape / rho.
+//                           (Belytschko, Lu, Gu 1994), c its width in supports; 1 - q^2 for c >> 1.
 //   InverseDistance         (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): nearly
 //   interpolating.
 #pragma once
@@ -31,13 +31,18 @@
 #include <string_view>
 #include <type_traits>
 
+#include "recon/core/error.hpp"
 #include "recon/core/instruction_set.hpp"
 #include "recon/core/lanes.hpp"
+#include "recon/core/unroll.hpp"
 
 namespace recon {
 
 // A weight of your own: any copyable type with these two. It is called with 0 <= q < 1 only, and
-// must return finite numbers, w(q) >= 0; it is called concurrently.
+// must return finite numbers, w(q) >= 0: others throw InvalidArgument, with q and w, out of
+// whatever asked for them. It is called concurrently. One with parameters may have a member
+// validate(), which throws InvalidArgument for values that are no good; it is called when the
+// weight is chosen.
 template <class W>
 concept RadialWeight = std::copy_constructible<W> && requires(const W& w, double q) {
   { w(q) } -> std::convertible_to<double>;             // q = |x - x_p| / rho, no unit
@@ -62,6 +67,24 @@ constexpr double binomial(int n, int k) {
   double value = 1;
   for (int i = 1; i <= k; ++i) value = value * (n - k + i) / i;
   return value;
+}
+
+// What evaluates a weight, one q after the other, has these checks of what it returned.
+template <class Scalar>
+void require_weight(const Scalar& q, const Scalar& w) {
+  if (!(w >= Scalar(0)) || !is_finite(w)) [[unlikely]]
+    throw_invalid("weight w(q) at q = " + to_text(q), w, "must be finite and not negative");
+}
+template <class Scalar>
+void require_slope(const Scalar& q, const Scalar& slope) {
+  if (!is_finite(slope)) [[unlikely]]
+    throw_invalid("derivative w'(q) of the weight at q = " + to_text(q), slope, "must be finite");
+}
+
+// Asks a weight with parameters whether they are any good.
+template <class W>
+void validate_weight(const W& weight) {
+  if constexpr (requires { weight.validate(); }) weight.validate();
 }
 
 template <int N>
@@ -136,30 +159,44 @@ struct Wendland {
   }
 };
 
+//     w = (exp(-a q^2) - exp(-a)) / (1 - exp(-a)) ,  a = 1 / c^2 ,
+// as a product: no difference of nearly equal numbers, whether c is small or large.
 struct Gaussian {
-  double shape = 0.4;  // c: the width as a fraction of the support
+  double shape = 0.4;  // c: the width as a fraction of the support; positive, finite
 
   template <class T>
   T operator()(T q) const {
-    using std::exp;
-    const T end = exp(constant<T>(-1 / (shape * shape)));
+    using std::exp, std::expm1;
+    const double a = steepness();
+    const T rest = (T(1) - q) * (T(1) + q);
     return select(q < T(1),
-                  T((exp(T(-(q * q) * constant<T>(1 / (shape * shape)))) - end) / (T(1) - end)),
+                  T(exp(T(q * q * constant<T>(-a))) * expm1(T(rest * constant<T>(-a))) *
+                    constant<T>(1 / std::expm1(-a))),
                   T(0));
   }
   template <class T>
   T derivative(T q) const {
     using std::exp;
-    const T end = exp(constant<T>(-1 / (shape * shape)));
-    const T slope = constant<T>(-2 / (shape * shape)) * q;
-    return select(q < T(1),
-                  T(slope * exp(T(-(q * q) * constant<T>(1 / (shape * shape)))) / (T(1) - end)),
-                  T(0));
+    const double a = steepness();
+    const T slope = q * constant<T>(2 * a / std::expm1(-a));
+    return select(q < T(1), T(slope * exp(T(q * q * constant<T>(-a)))), T(0));
+  }
+  void validate() const {
+    require(std::isfinite(shape) && shape > 0, "shape of the weight Gaussian", shape,
+            "must be positive and finite: its width as a fraction of the support");
+  }
+
+ private:
+  // Beyond these ends w equals its limits, 1 - q^2 and the spike at q = 0, in all digits.
+  RECON_INLINE double steepness() const {
+    const double a = 1 / (shape * shape);
+    return a < 1e-20 ? 1e-20 : a > 1e20 ? 1e20 : a;
   }
 };
 
 struct InverseDistance {
-  double softening = 1e-2;  // e: keeps w finite where a particle sits on the target
+  double softening =
+      1e-2;  // e: keeps w finite where a particle sits on the target; positive, finite
 
   template <class T>
   constexpr T operator()(T q) const {
@@ -173,6 +210,12 @@ struct InverseDistance {
     const T r = max(T(T(1) - q), T(0));
     const T d = q * q + constant<T>(softening * softening);
     return (T(-2) * r * d - T(2) * q * r * r) / (d * d);
+  }
+  void validate() const {
+    require(std::isfinite(softening) && softening > 0, "softening of the weight InverseDistance",
+            softening,
+            "must be positive and finite: the distance, as a fraction of the support, "
+            "within which the weight stays level");
   }
 };
 
@@ -219,6 +262,7 @@ class WeightFunction {
   template <class W>
   requires(!std::same_as<W, WeightFunction> && RadialWeight<W>) WeightFunction(W weight)
       : state_(std::make_shared<const W>(std::move(weight))) {
+    detail::validate_weight(*static_cast<const W*>(state_.get()));
     evaluate_double_ = &run<W, double>;
     evaluate_float_ = &run<W, float>;
   }
@@ -232,6 +276,7 @@ class WeightFunction {
   const std::optional<Weight>& named() const { return named_; }
 
   // w[i] = w(q[i]) and, unless `slope` is null, slope[i] = w'(q[i]), for i < n; 0 where q[i] >= 1.
+  // Throws InvalidArgument for a w that is negative or not finite.
   void evaluate(const double* q, double* w, double* slope, std::size_t n) const {
     evaluate_double_(state_.get(), q, w, slope, n);
   }
@@ -243,11 +288,16 @@ class WeightFunction {
   template <class W, class Scalar>
   static void run(const void* state, const Scalar* q, Scalar* w, Scalar* slope, std::size_t n) {
     const W& weight = *static_cast<const W*>(state);
-    for (std::size_t i = 0; i < n; ++i)
-      w[i] = q[i] < Scalar(1) ? static_cast<Scalar>(weight(q[i])) : Scalar(0);
-    if (!slope) return;
-    for (std::size_t i = 0; i < n; ++i)
+    // Slopes first: w may be written over q.
+    for (std::size_t i = 0; slope && i < n; ++i) {
       slope[i] = q[i] < Scalar(1) ? static_cast<Scalar>(weight.derivative(q[i])) : Scalar(0);
+      detail::require_slope(q[i], slope[i]);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const Scalar at = q[i];
+      w[i] = at < Scalar(1) ? static_cast<Scalar>(weight(at)) : Scalar(0);
+      detail::require_weight(at, w[i]);
+    }
   }
 
   std::shared_ptr<const void> state_;

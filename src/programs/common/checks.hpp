@@ -25,10 +25,16 @@ inline Check positive_number() {
   };
 }
 
-inline Check whole_number(std::optional<int> least) {
-  return [least](const std::string& text) -> std::string {
+inline Check finite_number() {
+  return [](const std::string& text) -> std::string {
+    return to_number(text) ? "" : "a number is needed, not '" + text + "'";
+  };
+}
+
+inline Check whole_number(std::optional<int> least, double most = 1e9) {
+  return [least, most](const std::string& text) -> std::string {
     const auto value = to_number(text);
-    if (value && std::abs(*value) < 1e9 && *value == std::floor(*value) &&
+    if (value && std::abs(*value) < most && *value == std::floor(*value) &&
         (!least || *value >= *least))
       return "";
     return std::string("a whole number") +

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <system_error>
 
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
@@ -109,6 +111,13 @@ void parse(const Front& front, CLI::App& app, std::vector<std::string> words) {
   app.parse(std::move(words));
 }
 
+// What was printed must have arrived: on a full disk it has not.
+void require_printed() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    throw ProgramError(no_output, "the standard output cannot be written: " +
+                                      std::generic_category().message(errno));
+}
+
 int run(const Front& front, const std::string& description, int argc, char** argv,
         const std::function<std::map<std::string, Command>(CLI::App&)>& add) {
   CLI::App app{description, front.name};
@@ -121,7 +130,9 @@ int run(const Front& front, const std::string& description, int argc, char** arg
   try {
     parse(front, app, arguments(argc, argv));
   } catch (const CLI::Success& asked_for) {  // --help, --version
-    return app.exit(asked_for);
+    const int code = app.exit(asked_for);
+    require_printed();
+    return code;
   } catch (const CLI::ExtrasError&) {
     std::string extra;
     for (const CLI::App* sub : app.get_subcommands())
@@ -139,7 +150,7 @@ int run(const Front& front, const std::string& description, int argc, char** arg
   }
   for (const auto& [name, command] : commands)
     if (app.got_subcommand(name)) command();
-  std::fflush(stdout);
+  require_printed();
   return success;
 }
 

@@ -20,7 +20,7 @@ void append_number(double value, std::string& text) {
 
 // Names that would not read back as they are stand in quotes.
 std::string quoted(const std::string& name) {
-  const bool plain = name.find_first_of(",;\t\"# ") == std::string::npos &&
+  const bool plain = name.find_first_of(",;\t\"#% ") == std::string::npos &&
                      std::string_view("+-.0123456789").find(name[0]) == std::string_view::npos;
   if (plain) return name;
   std::string text = "\"";
@@ -82,6 +82,10 @@ void write_csv_fields(const std::filesystem::path& path, const PointsView<double
   add_report("rank", [](const FitReport& r) { return std::to_string(r.rank); });
   add_report("degree", [](const FitReport& r) { return std::to_string(r.degree); });
   add_report("status", [](const FitReport& r) { return std::string(name_of(r.status)); });
+  columns.push_back(
+      {"limited", [limited = fields["limited"].view()](std::size_t row, std::string& text) {
+         append_number(limited(row, 0), text);
+       }});
   write_csv_table(path, columns, points.size());
 }
 

@@ -27,7 +27,7 @@ void write_csv_table(const std::filesystem::path& path, const std::vector<CsvCol
                      std::size_t rows);
 
 // x, y, z (as many as there are dimensions), the fields up to the reports, then neighbours, rank,
-// degree, and status in words.
+// degree, status in words, and limited.
 void write_csv_fields(const std::filesystem::path& path, const PointsView<double>& points,
                       const FieldSet& fields, const FitReports& reports);
 

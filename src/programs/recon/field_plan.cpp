@@ -87,9 +87,6 @@ PlannedField plan_derived(Particles& particles, const std::string& name) {
 [[noreturn]] void fail_unknown(const Particles& particles, const std::string& name) {
   Names known = particles.table.names();
   for (const std::string& derived : derivable_fields(particles)) known.push_back(derived);
-  const Names text = particles.table.text_columns();
-  if (contains(text, name))
-    fail_usage("field '" + name + "' holds text; a column of numbers is needed");
   fail_usage("unknown field '" + name + "'; " + suggest(name, known));
 }
 
@@ -120,7 +117,7 @@ void plan_named(Particles& particles, const std::string& name, FieldPlan& plan) 
 }
 
 void require_distinct(const FieldPlan& plan) {
-  Names names{"neighbours", "rank", "degree", "status", "rcond", "amplification"};
+  Names names{"neighbours", "rank", "degree", "status", "smallest_pivot", "amplification"};
   const std::size_t reports = names.size();
   for (const PlannedField& field : plan) {
     const auto at = std::find(names.begin(), names.end(), field.name);
@@ -155,9 +152,41 @@ Names derivable_fields(const Particles& particles) {
   return names;
 }
 
+namespace {
+
+// The columns of the particles that these fields are made of.
+Names used_columns(const Particles& particles, const std::string& fields,
+                   const std::vector<std::string>& components) {
+  Names used;
+  const auto add = [&](const std::string& name) {
+    if (!name.empty() && particles.table.has(name) && !contains(used, name)) used.push_back(name);
+  };
+  for (const std::string& name : split(fields)) {
+    add(name);
+    if (particles.table.has(name)) continue;
+    if (name == "all")
+      for (const std::string& column : mappable_columns(particles)) add(column);
+    if (name == "velocity" || name == "speed")
+      for (const char* column : {"vx", "vy", "vz"}) add(column);
+    if (name == "density") add(first_of(particles, {"mass", "rmass"}));
+    if (name == "solid_fraction") add(first_of(particles, {"radius", "diameter"}));
+  }
+  for (const std::string& text : components)
+    for (const std::string& column : split(text.substr(text.find('=') + 1))) add(column);
+  return used;
+}
+
+}  // namespace
+
+bool has_sums(const FieldPlan& plan) {
+  return std::any_of(plan.begin(), plan.end(),
+                     [](const PlannedField& field) { return field.is_kernel_sum(); });
+}
+
 FieldPlan plan_fields(Particles& particles, const std::string& fields,
                       const std::vector<std::string>& components) {
   FieldPlan plan;
+  leave_out_missing(particles, used_columns(particles, fields, components));
   with_exit_code(wrong_input, [&] {
     for (const std::string& name : split(fields)) plan_named(particles, name, plan);
     for (const std::string& text : components) plan.push_back(plan_components(particles, text));

@@ -24,6 +24,8 @@ struct PlannedField {
 
 using FieldPlan = std::vector<PlannedField>;
 
+bool has_sums(const FieldPlan& plan);
+
 // `fields` as --fields has it, `components` as each --components does ("v=vx,vy,vz"). Derived
 // columns are added to the table of the particles.
 FieldPlan plan_fields(Particles& particles, const std::string& fields,

@@ -1,11 +1,18 @@
 #include "fit_choice.hpp"
 
+#include <algorithm>
+
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
+#include "recon/basis/monomials.hpp"
 
 namespace recon::program {
 
 namespace {
+
+// Directions in which a fit would multiply errors by more than this are dropped. The library's own
+// limit, 30, is for exact data; docs/mls_vs_imls.md has what was measured.
+constexpr double leverage = 3;
 
 const std::vector<std::string> method_names{"shepard", "mls", "imls", "qr", "svd"};
 
@@ -27,6 +34,16 @@ std::string unsupported_check(const std::string& text) {
   return "'" + text + "' is not nan, nearest or a number";
 }
 
+std::string distance_check(const std::string& text) {
+  if (const auto value = to_number(text); text == "none" || (value && *value > 0)) return "";
+  return "'" + text + "' is not none or a positive number";
+}
+
+// Three particles per term of the basis. Beside walls fits with two amplify errors more.
+std::size_t suggested_neighbours(const Particles& particles, int degree) {
+  return std::min<std::size_t>(3 * monomial_count(particles.dimension, degree), particles.size());
+}
+
 }  // namespace
 
 const char* const method_help =
@@ -45,14 +62,16 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
       ->check(digit('0', '4'))
       ->group(group);
   app.add_option("--radius", choice.radius,
-                 "support radius, a length (default: 2 mean spacings of the\n"
-                 "particles, more for degrees that need it)")
+                 "support radius, a length, the same everywhere (default: the\n"
+                 "nearest particles, see --k, so that supports follow the\n"
+                 "density)")
       ->type_name("R")
       ->check(positive_number())
       ->group(group);
   app.add_option("--k", choice.k,
                  "use the N nearest particles, each target with a support of\n"
-                 "its own; with --radius too: the N nearest of those within R")
+                 "its own (default: 3 per term of the degree, in 3-D 12 for\n"
+                 "degree 1); with --radius too: the N nearest of those within R")
       ->type_name("N")
       ->check(whole_number(1))
       ->group(group);
@@ -78,9 +97,30 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
       ->check(one_of({"radial", "tensor"}))
       ->capture_default_str()
       ->group(group);
+  app.add_option("--limit", choice.limit,
+                 "keep values near their data, for each component:\n"
+                 "range    between the least and the greatest of the particles\n"
+                 "         in the support; no extrapolation at all\n"
+                 "relaxed  as far beyond that as it is wide, but in the range of\n"
+                 "         all particles; linear fields keep their slope at walls\n"
+                 "none     as the fit has it\n"
+                 "Gradients and kernel sums are never limited")
+      ->type_name("LIMIT")
+      ->check(one_of({"range", "relaxed", "none"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--max-distance", choice.max_distance,
+                 "no value where every particle is farther than M local spacings\n"
+                 "(the distance from the nearest one to the neighbour that a\n"
+                 "linear fit takes last: the 9th in 3-D); none: no such bound")
+      ->type_name("M")
+      ->check(distance_check)
+      ->capture_default_str()
+      ->group(group);
   app.add_option("--unsupported", choice.unsupported,
                  "value where no particle is in the support: nan, nearest (that\n"
-                 "of the nearest particle) or a number")
+                 "of the nearest particle) or a number; too far from all\n"
+                 "particles, nearest is nan too")
       ->type_name("VALUE")
       ->check(unsupported_check)
       ->capture_default_str()
@@ -114,8 +154,8 @@ Method read_method(const std::string& text, const FitChoice& choice) {
   return method;
 }
 
-Options fit_options(const FitChoice& choice, const Method& method, const Particles& particles) {
-  Options options;
+FitOptions fit_options(const FitChoice& choice, const Method& method, const Particles& particles) {
+  FitOptions options;
   options.degree = method.degree;
   options.solver = method.solver;
   options.weight = weight_named(choice.weight);
@@ -123,6 +163,11 @@ Options fit_options(const FitChoice& choice, const Method& method, const Particl
   options.domain = particles.domain;
   options.grow.steps = choice.grow;
   options.threads = choice.threads;
+  options.tolerances.leverage = leverage;
+  options.limit = choice.limit == "range"     ? Limit::range
+                  : choice.limit == "relaxed" ? Limit::relaxed
+                                              : Limit::none;
+  if (const auto distance = to_number(choice.max_distance)) options.max_distance = *distance;
   if (choice.k && *choice.k > particles.size())
     fail_usage("--k " + std::to_string(*choice.k) + ": there are " +
                counted(particles.size(), "particle") + " only");
@@ -130,9 +175,12 @@ Options fit_options(const FitChoice& choice, const Method& method, const Particl
     options.neighbours = NearestWithin{*choice.k, *choice.radius};
   else if (choice.k)
     options.neighbours = Nearest{*choice.k};
+  else if (choice.radius)
+    options.neighbours = Radius{*choice.radius};
   else
-    options.neighbours =
-        Radius{choice.radius ? *choice.radius : suggested_radius(particles, method.degree)};
+    options.neighbours = Nearest{suggested_neighbours(particles, method.degree)};
+  if (!choice.k && !choice.radius && particles.spacing > 0)
+    options.sum_radius = suggested_radius(particles, method.degree);
   if (choice.unsupported == "nearest")
     options.unsupported = Unsupported::nearest;
   else if (const auto value = to_number(choice.unsupported))
@@ -141,7 +189,7 @@ Options fit_options(const FitChoice& choice, const Method& method, const Particl
 }
 
 std::string describe_support(const FitChoice& choice, const Method& method,
-                             const Particles& particles) {
+                             const Particles& particles, bool kernel_sums) {
   std::string text;
   if (choice.k)
     text = counted(*choice.k, "nearest particle") +
@@ -149,9 +197,10 @@ std::string describe_support(const FitChoice& choice, const Method& method,
   else if (choice.radius)
     text = "radius " + number(*choice.radius);
   else
-    text = "radius " + number(suggested_radius(particles, method.degree)) +
-           " (chosen from the mean spacing " + number(particles.mean_spacing, 3) +
-           "; --radius changes it)";
+    text = counted(suggested_neighbours(particles, method.degree), "nearest particle") +
+           " (chosen for degree " + std::to_string(method.degree) + "; --k or --radius changes it)";
+  if (kernel_sums && !choice.k && !choice.radius && particles.spacing > 0)
+    text += "; of sums radius " + number(suggested_radius(particles, method.degree));
   if (choice.grow > 0) text += ", growing up to " + counted(choice.grow, "time");
   return text;
 }

@@ -6,6 +6,7 @@
 
 #include "particles.hpp"
 #include "recon/local_solve/report.hpp"
+#include "recon/operators/limit.hpp"
 #include "recon/shape/options.hpp"
 
 namespace recon::program {
@@ -15,7 +16,15 @@ struct FitChoice {
   std::string weight = "cubic", form = "radial", unsupported = "nan";
   std::optional<double> radius;
   std::optional<std::size_t> k;
+  std::string limit = "relaxed", max_distance = "2";
   int grow = 0, threads = 0;
+};
+
+// How the library is asked, and what it does not decide by itself.
+struct FitOptions : Options {
+  Limit limit = Limit::none;
+  // The support of kernel sums; none: that of each target's fit.
+  std::optional<double> sum_radius;
 };
 
 // A method by name and, where the user said so, its own degree: "imls", "imls:2".
@@ -34,10 +43,11 @@ extern const char* const method_help;
 // shepard.
 Method read_method(const std::string& text, const FitChoice& choice);
 
-Options fit_options(const FitChoice& choice, const Method& method, const Particles& particles);
+FitOptions fit_options(const FitChoice& choice, const Method& method, const Particles& particles);
 
-// "radius 2", "radius 1.9 (chosen: 2 mean spacings; --radius changes it)", "15 nearest particles".
+// "radius 2", "15 nearest particles", "12 nearest particles (chosen for degree 1; --k or --radius
+// changes it)". kernel_sums: also the radius of these, where it differs.
 std::string describe_support(const FitChoice& choice, const Method& method,
-                             const Particles& particles);
+                             const Particles& particles, bool kernel_sums);
 
 }  // namespace recon::program

@@ -89,11 +89,11 @@ std::string quoted(const std::string& path) {
 }
 
 void print_suggestion(const Particles& particles, const std::string& file) {
-  if (!(particles.mean_spacing > 0)) {
+  if (!(particles.spacing > 0)) {
     print_line("suggested", "nothing: all particles are at one place");
     return;
   }
-  const double spacing = suggested_spacing(particles), radius = suggested_radius(particles, 1);
+  const double spacing = suggested_spacing(particles);
   const auto grid = covering_grid(particles.region, spacing, particles.grid_domain);
   std::string nodes;
   for (int d = 0; d < particles.dimension; ++d)
@@ -103,17 +103,16 @@ void print_suggestion(const Particles& particles, const std::string& file) {
   for (const char* name : {"vx", "vy", "vz"})
     if (particles.table.has(name)) names += (names.empty() ? "" : ",") + std::string(name);
   if (names.empty()) names = fields.empty() ? "number_density" : fields.front();
-  print_line("mean spacing", number(particles.mean_spacing, 3));
-  print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes), support radius " +
-                              number(radius) + ":");
-  std::printf("  recon map %s --fields %s --spacing %s --radius %s --out fields.vti\n",
-              quoted(file).c_str(), names.c_str(), number(spacing).c_str(), number(radius).c_str());
+  print_line("mean spacing", number(particles.spacing, 3));
+  print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes):");
+  std::printf("  recon map %s --fields %s --spacing %s --out fields.vti\n", quoted(file).c_str(),
+              names.c_str(), number(spacing).c_str());
 }
 
 void run(const InputOptions& options) {
   if (options.file.empty()) fail_usage("info: the FILE is missing; see recon info --help");
   const std::vector<FrameInfo> frames =
-      with_exit_code(wrong_input, [&] { return list_frames(options.file); });
+      with_exit_code(wrong_input, [&] { return list_frames(options.file, read_options(options)); });
   const Particles particles = read_input(options);
   std::printf("%s\n", particles.describe().c_str());
   print_frames(frames);

@@ -129,14 +129,15 @@ void write_outputs(const MapOptions& options, const Targets& targets, const Mapp
   }
 }
 
-void print_summary(const MapOptions& options, const Particles& particles, const Method& method,
-                   const Targets& targets, const Mapped& mapped, double seconds) {
+void print_summary(const MapOptions& options, const Particles& particles, const FieldPlan& plan,
+                   const Method& method, const Targets& targets, const Mapped& mapped,
+                   double seconds) {
   std::printf("%s\n", particles.describe().c_str());
   print_remarks(particles.table);
   print_line("method", describe_method(method, options.fit));
-  print_line("support", describe_support(options.fit, method, particles));
+  print_line("support", describe_support(options.fit, method, particles, has_sums(plan)));
   print_line("targets", targets.description);
-  print_fit(mapped.reports.summary(), options.fit);
+  print_fit(mapped, options.fit);
   print_fields(mapped.fields);
   print_line("time", number(seconds, 2) + " s");
   std::string_view heading = "written";
@@ -155,7 +156,7 @@ void run(const MapOptions& options) {
   Particles particles = read_input(options.input);
   const FieldPlan plan = plan_fields(particles, options.fields, options.components);
   check_shown(options, plan, particles.dimension);
-  const Options fit = fit_options(options.fit, method, particles);
+  const FitOptions fit = fit_options(options.fit, method, particles);
   Targets targets;
   if (options.targets == "grid")
     choose_grid(options, particles, plan, targets);
@@ -173,7 +174,7 @@ void run(const MapOptions& options) {
       draw_fields(options.picture, cut, particles, targets.grid, mapped.fields);
   });
   if (!options.quiet)
-    print_summary(options, particles, method, targets, mapped, progress.seconds());
+    print_summary(options, particles, plan, method, targets, mapped, progress.seconds());
 }
 
 void add_target_options(CLI::App& app, MapOptions& options) {
@@ -233,8 +234,9 @@ void add_output_options(CLI::App& app, MapOptions& options) {
   app.add_option("--out", options.outputs,
                  "file to write, may be given again: .vti (grid) or .vtp\n"
                  "(points) for ParaView, .csv for both. With the fields go\n"
-                 "neighbours, rank, degree that is reproduced, and status\n"
-                 "(full, reduced, nearest, no_support; in VTK 0, 1, 2, 3)")
+                 "neighbours, rank, degree that is reproduced, status (full,\n"
+                 "reduced, nearest, no_support, too_far; in VTK 0 to 4), and\n"
+                 "limited: how many components of its values were limited")
       ->type_name("FILE")
       ->allow_extra_args(false)
       ->group(group);

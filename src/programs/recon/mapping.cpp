@@ -28,7 +28,8 @@ std::size_t part_size(std::size_t particles) {
   return std::clamp<std::size_t>(particles / 2, 20'000, 200'000);
 }
 
-void add_reports(FieldSet& fields, const std::vector<FitReport>& reports) {
+void add_reports(FieldSet& fields, const std::vector<FitReport>& reports,
+                 const LimitCount& limited) {
   std::size_t next = 0;
   const auto add = [&](NumberType type, auto number_of) {
     std::vector<double> values;
@@ -41,13 +42,16 @@ void add_reports(FieldSet& fields, const std::vector<FitReport>& reports) {
   add(NumberType::int32, [](const FitReport& r) { return r.rank; });
   add(NumberType::int32, [](const FitReport& r) { return r.degree; });
   add(NumberType::int32, [](const FitReport& r) { return static_cast<int>(r.status); });
-  add(NumberType::float32, [](const FitReport& r) { return r.rcond; });
+  add(NumberType::float32, [](const FitReport& r) { return r.smallest_pivot; });
   add(NumberType::float32, [](const FitReport& r) { return r.amplification; });
+  fields.add(report_names()[next], 1,
+             std::vector<double>(limited.components.begin(), limited.components.end()),
+             NumberType::int32);
 }
 
 class Mapper {
  public:
-  Mapper(const Particles& particles, const FieldPlan& plan, const Options& options,
+  Mapper(const Particles& particles, const FieldPlan& plan, const FitOptions& options,
          std::size_t targets, bool gradient)
       : particles_(particles),
         plan_(plan),
@@ -62,8 +66,7 @@ class Mapper {
     slopes_.resize(gradient ? columns_.size() * particles.dimension : 0);
     for (auto& column : slopes_) column.reserve(targets);
     sums_.resize(plan.size());
-    const auto is_sum = [](const PlannedField& field) { return field.is_kernel_sum(); };
-    if (std::any_of(plan.begin(), plan.end(), is_sum))
+    if (has_sums(plan))
       kernel_ = std::make_unique<KernelSum>(positions_, options.domain, options.weight,
                                             options.form, options.threads);
   }
@@ -71,7 +74,12 @@ class Mapper {
   void add(const PointsView<double>& targets) {
     const Reconstruction fit = reconstruct(positions_, targets, options_);
     reports_.insert(reports_.end(), fit.report().all().begin(), fit.report().all().end());
-    if (!columns_.empty()) append(fit.apply(data_.view()), values_);
+    LimitCount limited;
+    limited.components.resize(targets.size());
+    if (!columns_.empty())
+      append(fit.apply(data_.view(), {.limit = options_.limit, .count = &limited}), values_);
+    limited_.components.insert(limited_.components.end(), limited.components.begin(),
+                               limited.components.end());
     if (!columns_.empty() && gradient_) append(fit.gradient().apply(data_.view()), slopes_);
     if (kernel_) add_sums(targets, fit);
   }
@@ -86,8 +94,12 @@ class Mapper {
     }
     mapped.fields.step = particles_.table.step;
     mapped.fields.time = particles_.table.time;
-    add_reports(mapped.fields, reports_);
+    add_reports(mapped.fields, reports_, limited_);
+    limited_.total();
+    mapped.limited = std::move(limited_);
     mapped.reports = FitReports(std::move(reports_), options_.solver);
+    const FitSummary& summary = mapped.reports.summary();
+    mapped.values = columns_.size() * (summary.targets - summary.no_support - summary.too_far);
     return mapped;
   }
 
@@ -108,22 +120,26 @@ class Mapper {
     }
   }
 
-  // The k nearest particles do not fill the support that they define: all in it are sought.
+  // The k nearest particles do not fill the support that they define: all in it are sought. So they
+  // are where sums have a radius of their own, or targets that are too far have lost their lists.
   void add_sums(const PointsView<double>& targets, const Reconstruction& fit) {
-    const bool complete = std::holds_alternative<Radius>(options_.neighbours);
+    const bool complete =
+        std::holds_alternative<Radius>(options_.neighbours) && fit.report().too_far() == 0;
     NeighbourList<double> found = fit.neighbours();
     if (!complete) {
       NeighbourOptions search{.threads = options_.threads};
       if (options_.form == WeightForm::tensor_product) search.shape = SupportShape::cube;
       const PointCloud<double> wrapped(targets, "targets", options_.domain);
       const Array<double> radii = std::move(found.support);
-      found = find_neighbours(kernel_->particles(), wrapped, Radii{radii}, options_.domain, search);
+      NeighbourRule rule = Radii{radii};
+      if (options_.sum_radius) rule = Radius{*options_.sum_radius};
+      found = find_neighbours(kernel_->particles(), wrapped, rule, options_.domain, search);
     }
     for (std::size_t f = 0; f < plan_.size(); ++f) {
       if (!plan_[f].is_kernel_sum()) continue;
       std::vector<double> sums = kernel_->at(targets, found, plan_[f].amounts);
       // The list of a target without support may hold the nearest particle, which is not in it.
-      for (std::size_t t = 0; t < sums.size(); ++t)
+      for (std::size_t t = 0; t < sums.size() && !options_.sum_radius; ++t)
         if (fit.report()[t].status == FitStatus::nearest) sums[t] = 0;
       sums_[f].insert(sums_[f].end(), sums.begin(), sums.end());
     }
@@ -147,7 +163,7 @@ class Mapper {
 
   const Particles& particles_;
   const FieldPlan& plan_;
-  const Options& options_;
+  const FitOptions& options_;
   PointsView<double> positions_;
   bool gradient_;
   std::vector<std::string> columns_;  // of the particles, each once
@@ -155,14 +171,15 @@ class Mapper {
   std::vector<std::vector<double>> values_, slopes_;  // per column, and per column and axis
   std::vector<std::vector<double>> sums_;             // per field of the plan
   std::vector<FitReport> reports_;
+  LimitCount limited_;
   std::unique_ptr<KernelSum> kernel_;
 };
 
 }  // namespace
 
 const std::vector<std::string>& report_names() {
-  static const std::vector<std::string> names{"neighbours", "rank",  "degree",
-                                              "status",     "rcond", "amplification"};
+  static const std::vector<std::string> names{"neighbours",     "rank",          "degree", "status",
+                                              "smallest_pivot", "amplification", "limited"};
   return names;
 }
 
@@ -174,7 +191,7 @@ std::vector<std::string> gradient_names(const PlannedField& field, int dimension
   return names;
 }
 
-Mapped map_fields(const Particles& particles, const FieldPlan& plan, const Options& options,
+Mapped map_fields(const Particles& particles, const FieldPlan& plan, const FitOptions& options,
                   const PointsView<double>& targets, bool gradient, Progress& progress) {
   Mapper mapper(particles, plan, options, targets.size(), gradient);
   const std::size_t size = part_size(particles.size());

@@ -9,7 +9,7 @@
 #include "programs/common/text.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/names.hpp"
-#include "recon/io/read.hpp"
+#include "recon/neighbourhood/find_neighbours.hpp"
 
 namespace recon::program {
 
@@ -61,16 +61,20 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
   PeriodicDomain<double> domain;
   if (options.periodic == "none") return domain;
   if (options.periodic == "from-file") return particles.table.domain(particles.dimension);
-  if (!particles.table.has_box() && !bounds)
+  const ParticleTable& table = particles.table;
+  if (!table.has_box() && !bounds)
     fail_usage("--periodic " + options.periodic + ": " + options.file +
                " does not tell the box; say where the periods begin and end with --bounds");
-  const Box<double> box =
-      particles.table.has_box() ? particles.table.box(particles.dimension) : *bounds;
+  const PeriodicDomain<double> possible =
+      table.has_box() ? table.possible_domain(particles.dimension)
+                      : PeriodicDomain<double>{bounds->lower, bounds->upper};
   for (const std::string& name : split(options.periodic)) {
     const int axis = particles.axis(name, "--periodic");
+    if (table.has_box() && !possible.periodic[axis])
+      fail_usage("--periodic " + name + ": " + table.why_not_periodic(axis, particles.dimension));
     domain.periodic[axis] = true;
-    domain.lower[axis] = box.lower[axis];
-    domain.upper[axis] = box.upper[axis];
+    domain.lower[axis] = possible.lower[axis];
+    domain.upper[axis] = possible.upper[axis];
   }
   with_exit_code(wrong_usage, [&] { domain.validate(particles.dimension); });
   return domain;
@@ -79,7 +83,7 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
 // The spacing of a regular lattice that has as many points in this extent: along an axis of length
 // L it has L / spacing of them where the axis is periodic, else one more. 0 for particles at one
 // place.
-double mean_spacing(const Particles& particles) {
+double box_spacing(const Particles& particles) {
   const auto points = [&](double spacing) {
     double product = 1;
     for (int d = 0; d < particles.dimension; ++d)
@@ -97,6 +101,25 @@ double mean_spacing(const Particles& particles) {
     (points(middle) > wanted ? least : greatest) = middle;
   }
   return greatest;
+}
+
+constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
+                                                      4 * std::numbers::pi / 3};
+
+// The spacing of a lattice as dense as the particles are where they are: by the median over the
+// particles of the distance to the k-th neighbour, k = D (D + 1), whose ball holds k spacings^D. 0
+// where most coincide.
+double local_spacing(const Particles& particles) {
+  const int dimension = particles.dimension;
+  const std::size_t k = static_cast<std::size_t>(dimension * (dimension + 1));
+  if (particles.size() < 2) return 0;
+  const PointCloud<double> cloud(particles.positions(), "particles", particles.domain);
+  constexpr double factor = 2;
+  auto reach = find_neighbours(cloud, cloud, Nearest{k + 1, factor}, particles.domain).support;
+  const auto middle = reach.begin() + static_cast<std::ptrdiff_t>(reach.size() / 2);
+  std::nth_element(reach.begin(), middle, reach.end());
+  return *middle / factor *
+         std::pow(unit_ball[dimension - 1] / static_cast<double>(k), 1.0 / dimension);
 }
 
 }  // namespace
@@ -130,6 +153,34 @@ void add_input_options(CLI::App& app, InputOptions& options) {
       ->check(whole_number(std::nullopt))
       ->capture_default_str()
       ->group(group);
+  app.add_option("--step", options.step, "or the frame of this step")
+      ->type_name("STEP")
+      ->excludes("--frame")
+      ->check(whole_number(std::nullopt, 9e15))
+      ->group(group);
+  app.add_option("--time", options.time, "or the frame of this time")
+      ->type_name("TIME")
+      ->excludes("--frame")
+      ->excludes("--step")
+      ->check(finite_number())
+      ->group(group);
+  app.add_option("--columns", options.columns,
+                 "names of all columns, as in x,y,v, for a file without\n"
+                 "names or in place of its own")
+      ->type_name("NAMES")
+      ->group(group);
+  app.add_option("--skip-rows", options.skip_rows,
+                 "lines at the beginning of the file to pass over")
+      ->type_name("N")
+      ->check(whole_number(0))
+      ->group(group);
+  app.add_option("--missing", options.missing,
+                 "what stands for 'no value', as -9999 or NA or '' (an empty\n"
+                 "cell); may be given again. Particles without a value in a\n"
+                 "column that is used are left out, and counted in a note")
+      ->type_name("TEXT")
+      ->allow_extra_args(false)
+      ->group(group);
   app.add_option("--periodic", options.periodic,
                  "periodic axes: from-file (the boundary flags of LAMMPS),\n"
                  "none, or axes like x,y, whose periods are those of the\n"
@@ -149,17 +200,12 @@ void add_input_options(CLI::App& app, InputOptions& options) {
       ->group(group);
 }
 
-Particles read_input(const InputOptions& options) {
-  if (options.file.empty()) fail_usage("the file with the particles is missing");
-  Particles particles;
-  particles.table = with_exit_code(
-      wrong_input, [&] { return read_particles(options.file, {.frame = options.frame}); });
-  ParticleTable& table = particles.table;
-  if (table.size() == 0) fail_input(table.source + ": there are no particles");
-  choose_coordinates(options, table);
-  particles.dimension = choose_dimension(options, table);
+namespace {
+
+// Where the particles are, what is periodic, how dense they are.
+void measure(Particles& particles) {
+  const InputOptions& options = particles.options;
   const auto positions = with_exit_code(wrong_input, [&] { return particles.positions(); });
-  particles.axes = table.coordinates(particles.dimension);
   particles.extent = bounding_box(positions, "particles");
 
   const std::optional<Box<double>> bounds = read_bounds(options.bounds, particles.dimension);
@@ -169,38 +215,80 @@ Particles read_input(const InputOptions& options) {
     particles.extent.lower[d] = particles.domain.lower[d];
     particles.extent.upper[d] = particles.domain.upper[d];
   }
-  particles.mean_spacing = mean_spacing(particles);
+  particles.spacing = particles.box_spacing = box_spacing(particles);
+  // Where particles fill their box the two agree, up to what borders and chance do.
+  if (const double local = local_spacing(particles); local > 0 && local < 0.8 * particles.spacing)
+    particles.spacing = local;
   particles.region = bounds.value_or(particles.extent);
   particles.grid_domain = particles.domain;
   for (int d = 0; d < particles.dimension; ++d)
     if (particles.region.lower[d] != particles.extent.lower[d] ||
         particles.region.upper[d] != particles.extent.upper[d])
       particles.grid_domain.periodic[d] = false;
+}
+
+// Whether any particle went.
+bool drop_missing(ParticleTable& table, const std::vector<std::string>& columns) {
+  const bool some =
+      with_exit_code(wrong_input, [&] { return table.leave_out_missing(columns); }) > 0;
+  if (table.size() == 0)
+    fail_input(table.source + ": no particle has a value in " + enumeration(columns));
+  return some;
+}
+
+}  // namespace
+
+ReadOptions read_options(const InputOptions& options) {
+  return {.frame = options.frame,
+          .step = options.step,
+          .time = options.time,
+          .columns = split(options.columns),
+          .skip_rows = options.skip_rows,
+          .missing = options.missing};
+}
+
+Particles read_input(const InputOptions& options) {
+  if (options.file.empty()) fail_usage("the file with the particles is missing");
+  Particles particles;
+  particles.options = options;
+  particles.table = with_exit_code(
+      wrong_input, [&] { return read_particles(options.file, read_options(options)); });
+  ParticleTable& table = particles.table;
+  if (table.size() == 0) fail_input(table.source + ": there are no particles");
+  choose_coordinates(options, table);
+  // A coordinate that is missing somewhere is no constant: without those particles it may be one.
+  drop_missing(table, with_exit_code(wrong_input, [&] { return table.coordinates(); }));
+  particles.dimension = choose_dimension(options, table);
+  particles.axes = table.coordinates(particles.dimension);
+  drop_missing(table, particles.axes);
+  measure(particles);
   return particles;
 }
 
+void leave_out_missing(Particles& particles, const std::vector<std::string>& columns) {
+  if (drop_missing(particles.table, columns)) measure(particles);
+}
+
 double suggested_spacing(const Particles& particles) {
-  if (!(particles.mean_spacing > 0))
+  if (!(particles.spacing > 0))
     fail_usage("all particles are at one place, so no spacing can be suggested: say --spacing");
-  const double power = std::pow(10.0, std::floor(std::log10(particles.mean_spacing)));
+  const double wanted = std::max(particles.spacing, particles.box_spacing / 2);
+  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
   double best = power;
   for (const double step : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0})
-    if (std::abs(std::log(step * power / particles.mean_spacing)) <
-        std::abs(std::log(best / particles.mean_spacing)))
+    if (std::abs(std::log(step * power / wanted)) < std::abs(std::log(best / wanted)))
       best = step * power;
   return best;
 }
 
 double suggested_radius(const Particles& particles, int degree) {
-  if (!(particles.mean_spacing > 0))
+  if (!(particles.spacing > 0))
     fail_usage(
         "all particles are at one place, so no support can be suggested: say --radius or --k");
-  constexpr std::array<double, max_dimension> unit_ball{2, std::numbers::pi,
-                                                        4 * std::numbers::pi / 3};
   const int terms = static_cast<int>(monomial_count(particles.dimension, degree));
   const double enough =
       std::pow((2 * terms + 1) / unit_ball[particles.dimension - 1], 1.0 / particles.dimension);
-  const double radius = particles.mean_spacing * std::max(2.0, enough);
+  const double radius = particles.spacing * std::max(2.0, enough);
   const double power = std::pow(10.0, std::floor(std::log10(radius)) - 1);
   return std::ceil(radius / power * (1 - 1e-9)) * power;  // two digits
 }

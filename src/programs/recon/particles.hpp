@@ -1,11 +1,14 @@
 // The particles of a run: read from the file, with the coordinates, box and periods the user chose.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "recon/fields/particle_table.hpp"
+#include "recon/io/read.hpp"
 #include "recon/points/structured_grid.hpp"
 
 namespace CLI {
@@ -17,13 +20,19 @@ namespace recon::program {
 struct InputOptions {
   std::string file;
   int frame = -1;
-  int dimension = 0;  // 0: as detected
+  std::optional<std::int64_t> step;  // or by its step or time
+  std::optional<double> time;
+  std::string columns;  // names of all columns, if not from the file
+  std::size_t skip_rows = 0;
+  std::vector<std::string> missing;  // what stands for "no value"
+  int dimension = 0;                 // 0: as detected
   std::string coordinates;
   std::string periodic = "from-file";
   std::string bounds;
 };
 
 struct Particles {
+  InputOptions options;
   ParticleTable table;
   int dimension = 0;
   std::vector<std::string> axes;  // names of the coordinate columns
@@ -31,7 +40,10 @@ struct Particles {
   Box<double> region;             // where a grid goes: --bounds, else the extent
   PeriodicDomain<double> domain;
   PeriodicDomain<double> grid_domain;  // periodic where the region covers the whole period
-  double mean_spacing = 0;             // of a regular lattice of as many points; 0 if at one place
+  // Of the particles, a length: that of a regular lattice of as many points in the extent, or that
+  // of their own density where they do not fill the extent; 0 if all are at one place.
+  double spacing = 0;
+  double box_spacing = 0;  // the former
 
   std::size_t size() const { return table.size(); }
   PointsView<double> positions() const { return table.positions(dimension); }
@@ -43,12 +55,19 @@ struct Particles {
 
 void add_input_options(CLI::App& app, InputOptions& options);
 
+// What the options mean for the reader of the file.
+ReadOptions read_options(const InputOptions& options);
+
 // Ends with wrong_input for what is wrong with the file, wrong_usage for what is with the options.
 Particles read_input(const InputOptions& options);
 
-// A spacing near the mean spacing of the particles, of one or two digits.
+// Leaves out the particles without a value in one of these columns, which are to be used.
+void leave_out_missing(Particles& particles, const std::vector<std::string>& columns);
+
+// A spacing of targets near that of the particles, of one or two digits; not less than half of
+// what the box would have, so that a grid does not grow beyond reason.
 double suggested_spacing(const Particles& particles);
-// A support radius in which a fit of this degree has neighbours enough.
+// A radius, the same everywhere, in which a fit of this degree has neighbours enough.
 double suggested_radius(const Particles& particles, int degree);
 
 }  // namespace recon::program

@@ -228,14 +228,14 @@ void run(const ProfileOptions& options) {
   Progress progress("profile", planes.grid.size() * methods.size(), options.quiet);
   ProfileTable table(planes, plan);
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    const Options fit = fit_options(options.fit, methods[m], particles);
+    const FitOptions fit = fit_options(options.fit, methods[m], particles);
     const Mapped mapped = map_fields(particles, plan, fit, nodes.view(), false, progress);
     table.add(mapped, methods[m], column_suffix(methods[m], texts[m]), m == 0);
     if (options.quiet) continue;
     std::printf("\n");
     print_line("method", describe_method(methods[m], options.fit));
-    print_line("support", describe_support(options.fit, methods[m], particles));
-    print_fit(mapped.reports.summary(), options.fit);
+    print_line("support", describe_support(options.fit, methods[m], particles, has_sums(plan)));
+    print_fit(mapped, options.fit);
   }
   with_exit_code(no_output, [&] {
     if (!options.out.empty()) table.write(options.out, axis);
@@ -301,6 +301,7 @@ Command add_profile(CLI::App& app) {
       ->type_name("NAMES")
       ->capture_default_str()
       ->group("Reconstruction");
+  options->fit.limit = "none";  // read at walls, where no value lies between its data
   add_fit_options(*sub, options->fit);
   const std::string group = "Output";
   sub->add_option("--out", options->out,

@@ -36,17 +36,22 @@ std::string describe_method(const Method& method, const FitChoice& choice) {
          " (" + choice.form + ")";
 }
 
-void print_fit(const FitSummary& summary, const FitChoice& choice) {
-  const auto share = [&](std::size_t part) {
-    const double percent = 100.0 * static_cast<double>(part) / static_cast<double>(summary.targets);
-    const bool nearly_all = part < summary.targets && percent > 99.9;
+void print_fit(const Mapped& mapped, const FitChoice& choice) {
+  const FitSummary& summary = mapped.reports.summary();
+  const auto share_of = [](std::size_t part, std::size_t all) {
+    const double percent = 100.0 * static_cast<double>(part) / static_cast<double>(all);
+    const bool nearly_all = part < all && percent > 99.9;
     return count(part) + " (" + (nearly_all ? "> 99.9" : number(percent, 3)) + " %)";
   };
+  const auto share = [&](std::size_t part) { return share_of(part, summary.targets); };
   std::string text = "full degree at " + share(summary.full);
   if (summary.reduced > 0) text += ", reduced at " + share(summary.reduced);
   if (summary.nearest > 0) text += ", nearest particle at " + share(summary.nearest);
   if (summary.no_support > 0)
     text += ", no support at " + share(summary.no_support) + ": " + choice.unsupported;
+  if (summary.too_far > 0)
+    text += ", too far from all particles at " + share(summary.too_far) + ": " +
+            (choice.unsupported == "nearest" ? "nan" : choice.unsupported);
   print_line("fit", text);
   if (summary.handed_over > 0)
     print_line("",
@@ -54,10 +59,16 @@ void print_fit(const FitSummary& summary, const FitChoice& choice) {
   print_line("neighbours", "least " + count(summary.fewest_neighbours) + ", mean " +
                                number(summary.mean_neighbours, 3) + ", most " +
                                count(summary.most_neighbours));
-  if (summary.no_support + summary.nearest < summary.targets)
-    print_line("conditioning", "smallest rcond " + number(summary.smallest_rcond, 3) +
+  if (summary.no_support + summary.too_far + summary.nearest < summary.targets)
+    print_line("conditioning", "smallest pivot " + number(summary.smallest_pivot, 3) +
                                    ", errors in the data amplified at most " +
                                    number(summary.largest_amplification, 3) + " times");
+  if (choice.limit == "none")
+    print_line("limited", "nothing (--limit none)");
+  else if (mapped.values > 0)
+    print_line("limited", share_of(mapped.limited.values, mapped.values) + " of the values, at " +
+                              counted(mapped.limited.targets, "target") + ", to their particles' " +
+                              (choice.limit == "range" ? "range" : "range and its width beyond"));
 }
 
 void print_fields(const FieldSet& fields) {

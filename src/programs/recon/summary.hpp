@@ -15,8 +15,8 @@ void print_line(std::string_view name, std::string_view text);
 // "imls, degree 1, cubic weight (radial)".
 std::string describe_method(const Method& method, const FitChoice& choice);
 
-// Lines about full, reduced and missing fits, the neighbours and the conditioning.
-void print_fit(const FitSummary& summary, const FitChoice& choice);
+// Lines about full, reduced and missing fits, the neighbours, the conditioning and the limit.
+void print_fit(const Mapped& mapped, const FitChoice& choice);
 // The ranges of the fields.
 void print_fields(const FieldSet& fields);
 // What was noticed when the file was read.
