@@ -61,8 +61,8 @@ struct RunResult {
 // Goes on until the problem's end. A restart from a checkpoint in the folder goes on with the run
 // there: its ledger is kept up to the checkpoint, and its frames stay in the lists. Any other
 // run's files are overwritten only where that is asked for, else OtherRun is thrown. NoRestart
-// for a checkpoint that read_checkpoint() refuses or that is later than the end, InvalidArgument for a
-// problem without an end or one that takes more than there is (forecast.hpp), FileError for files
+// for a checkpoint that read_checkpoint() refuses or that is later than the end, InvalidArgument for
+// a problem without an end or one that takes more than there is (forecast.hpp), FileError for files
 // that cannot be written, Failure where the run cannot go on.
 template <int D>
 RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
