@@ -136,7 +136,7 @@ class Reader {
     try {
       work();
     } catch (const InvalidArgument& error) {
-      table.fail(table.has(error.argument()) ? error.argument() : key, error.what());
+      table.fail(table.raw().contains(error.argument()) ? error.argument() : key, error.what());
     } catch (const std::invalid_argument& error) {
       table.fail(key, error.what());
     }

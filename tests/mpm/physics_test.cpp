@@ -35,6 +35,16 @@ Vector<D> some_acceleration() {
   return a;
 }
 
+// The block of the tests below. Domains do not end on the edges of cells: nodes that see next to
+// nothing of them would feel gravity alone.
+template <int D>
+Problem<D> floating(const Method& method) {
+  Problem<D> problem = block<D>(8, 0.25, 0.5, method.name);
+  if (method.domain != Domain::point)
+    for (auto& x : problem.particles.x) x += Vector<D>::Constant(0.013);
+  return problem;
+}
+
 // x = x_0 + a t^2 / 2 from a start at rest, in steps of different length; velocities are half a
 // step behind. Nothing is strained.
 template <int D>
@@ -68,7 +78,7 @@ TEST_P(EveryMethodsPhysics, GravityIsExactForFreeFall) {
 TEST_P(EveryMethodsPhysics, UniformBodyForceIsGravity) {
   in_its_dimensions([&](auto dimension) {
     constexpr int D = decltype(dimension)::value;
-    Problem<D> problem = block<D>(8, 0.25, 0.5, GetParam().name);
+    Problem<D> problem = floating<D>(GetParam());
     const Vector<D> a = some_acceleration<D>();
     problem.body_force = [a](const Particles<D>&, double, int, std::vector<Vector<D>>& out) {
       for (Vector<D>& each : out) each += a;
@@ -83,7 +93,7 @@ TEST_P(EveryMethodsPhysics, UniformLoadIsGravity) {
   if (GetParam().quadrature != Quadrature::particles) return;
   in_its_dimensions([&](auto dimension) {
     constexpr int D = decltype(dimension)::value;
-    Problem<D> problem = block<D>(8, 0.25, 0.5, GetParam().name);
+    Problem<D> problem = floating<D>(GetParam());
     const Vector<D> a = some_acceleration<D>();
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
       problem.loads.push_back({p, Vector<D>(problem.particles.mass[p] * a), Vector<D>::Zero(),
@@ -173,7 +183,7 @@ TEST_P(EveryMethodsPhysics, ParticlesOnAWall) {
     most = std::max(most, account(simulation).total());
   })) << GetParam().name;
   // The work of gravity in the fall to twice the sag is about 2; bodies that break have hundreds.
-  EXPECT_LE(most, 4.0) << GetParam().name;
+  EXPECT_LE(most, 6.0) << GetParam().name;
   for (const auto& x : simulation.particles().x) EXPECT_GE(x.minCoeff(), -1e-7) << GetParam().name;
 }
 

@@ -188,10 +188,6 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
     if (now > shown) progress.advance(now - shown);
     shown = std::max(shown, now);
   };
-  const fs::path checkpoint = run_options.folder / "checkpoint.h5";
-  Saved saved;
-  run_options.saved = [&](double time, std::int64_t steps) { saved = {true, time, steps}; };
-  run_options.stop = [] { return StopSignals::seen() != 0; };
   run_options.begins = [](const mpm::Forecast& forecast) {
     print_line("expected", counted(forecast.particles, "particle") + ", " +
                                counted(forecast.nodes, "node") + ", about " +
@@ -201,6 +197,12 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
     for (const std::string& warning : forecast.warnings)
       std::fprintf(stderr, "warning: %s\n", warning.c_str());
   };
+  const fs::path checkpoint = run_options.folder / "checkpoint.h5";
+  Saved saved;
+  run_options.saved = [&](double time, std::int64_t steps) { saved = {true, time, steps}; };
+  run_options.stop = [] { return StopSignals::seen() != 0; };
+  const mpm::TimeOptions& time = file.problem.time;
+  const double courant = time.courant.value_or(file.problem.method.default_courant(D));
   mpm::RunResult result;
   const StopSignals signals;
   try {
@@ -210,12 +212,8 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
                                         "; [limits] memory and steps in the problem file say what "
                                         "it may take");
   } catch (const mpm::Failure& failure) {
-    throw ProgramError(
-        internal_error,
-        "the run stopped: " + std::string(failure.what()) + "\n" +
-            advice(options, file.problem.time,
-                   file.problem.time.courant.value_or(file.problem.method.default_courant(D)),
-                   checkpoint, saved));
+    throw ProgramError(internal_error, "the run stopped: " + std::string(failure.what()) + "\n" +
+                                           advice(options, time, courant, checkpoint, saved));
   } catch (const mpm::OtherRun& error) {
     throw ProgramError(
         no_output, error.path().string() + ": is of another run" +
