@@ -1,14 +1,41 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "grid/node_fit.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/local_solve/gradient_resolution.hpp"
 #include "recon/local_solve/moment_matrix.hpp"
 
 namespace recon {
 namespace {
 
 constexpr std::size_t nodes_per_block = 256;
+
+// What a fit knows of its gradient, for the report; and how to project onto the resolved
+// directions, where those are not all.
+template <class Scalar, int D, int R>
+std::optional<detail::GradientResolution<Scalar, D>> gradient_of(
+    const MomentMatrix<Scalar, Monomials<D, R>>& matrix, Scalar weight_sum,
+    const FitTolerances& tolerances, FitReport& report) {
+  report.gradient_rank = R > 0 ? D : 0;
+  report.gradient_amplification = static_cast<float>(matrix.gradient_amplification());
+  if (R == 0 || matrix.gradient_resolved()) return {};
+  const auto slopes = matrix.slopes();
+  std::array<std::array<Scalar, slopes.size()>, D> components;
+  std::array<Scalar*, D> rows;
+  for (int d = 0; d < D; ++d) {
+    for (std::size_t k = 0; k < slopes.size(); ++k) components[d][k] = slopes[k][d];
+    rows[d] = components[d].data();
+  }
+  const auto resolution =
+      detail::GradientResolution<Scalar, D>::of(rows, static_cast<int>(slopes.size()), weight_sum,
+                                                D, detail::gradient_limit2<Scalar>(tolerances, R));
+  report.gradient_rank = static_cast<std::uint8_t>(resolution.rank);
+  report.gradient_amplification = std::sqrt(static_cast<float>(resolution.amplification2));
+  if (resolution.rank == D) return {};
+  return resolution;
+}
 
 // Tries degree R, then lower ones; `terms`: right-hand sides per component. Degree 0 needs no more
 // than a positive weight.
@@ -37,6 +64,8 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
   report.rank = static_cast<std::uint8_t>(Basis::size);
   report.degree = R;
   report.status = R == plan.options.degree ? FitStatus::full : FitStatus::reduced;
+  const auto partial =
+      gradient_of<Scalar, D, R>(matrix, chosen[0], plan.options.tolerances, report);
   const auto at = static_cast<Eigen::Index>(node);
   for (int c = 0; c < plan.components; ++c) {
     const Scalar* from = moments + 1 + plan.kernel.moments + c * plan.kernel.terms;
@@ -45,11 +74,14 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
     b = matrix.solve(b);
     if (!std::isfinite(b[0])) throw_overflow(b[0], "value", c, node);
     fits.values(at, c) = b[0];
-    for (int d = 0; d < D && plan.options.gradients; ++d) {
-      const Scalar slope =
-          R == 0 ? Scalar(0) : b[R == 0 ? 0 : 1 + d] / static_cast<Scalar>(plan.axes[d].rho);
-      if (!std::isfinite(slope)) throw_overflow(slope, "gradient", c, node);
-      fits.gradients(at, c * D + d) = slope;
+    if (!plan.options.gradients) continue;
+    std::array<Scalar, D> slope{};
+    for (int d = 0; d < D && R > 0; ++d) slope[d] = b[R == 0 ? 0 : 1 + d];
+    if (partial) slope = partial->project(slope);
+    for (int d = 0; d < D; ++d) {
+      const Scalar per_length = slope[d] / static_cast<Scalar>(plan.axes[d].rho);
+      if (!std::isfinite(per_length)) throw_overflow(per_length, "gradient", c, node);
+      fits.gradients(at, c * D + d) = per_length;
     }
   }
 }

@@ -10,6 +10,8 @@ void GridOptions::validate() const {
           static_cast<int>(form), "must be an enumerator of recon::WeightForm");
   require(tolerances.rank > 0 && tolerances.rank < 1, "tolerances.rank", tolerances.rank,
           "must lie between 0 and 1");
+  require(tolerances.gradient_extent >= 0 && tolerances.gradient_extent < 1,
+          "tolerances.gradient_extent", tolerances.gradient_extent, "must be 0 or more, below 1");
   require(tolerances.leverage > 1, "tolerances.leverage", tolerances.leverage, "must exceed 1");
   require(threads >= 0, "threads", threads, "must not be negative (0: all there are)");
   resolved(instruction_set);

@@ -56,6 +56,9 @@ GridPlan<Scalar>::GridPlan(const StructuredGrid<Scalar>& grid_, const GridOption
             axis.support, "must be positive and at most 8");
     axis.per_support = 1 / axis.support;
     axis.rho = rho > 0 ? rho : axis.support * spacing;
+    const auto length = static_cast<Scalar>(axis.rho);
+    require(length * length >= std::numeric_limits<Scalar>::min(), "support", axis.rho,
+            "must not be so small that its square underflows");
     axis.stencil = static_cast<int>(std::ceil(2 * axis.support));
     axis.nodes = static_cast<std::int64_t>(grid.counts[d]);
     axis.cells = axis.nodes + axis.stencil - 1;

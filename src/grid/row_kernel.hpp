@@ -50,10 +50,10 @@ struct NodeRow {
   std::array<Scalar, max_dimension> inverse_rho;
   const Scalar* row;    // merged moments
   const Scalar* noise;  // rounding of the coordinates, [groups][L]
-  // [groups][numbers][L]: is the moment matrix safe (1 or 0), smallest pivot, amplification, then
-  // for each component the value and, if asked for, the gradient.
+  // [groups][numbers][L]: is the moment matrix safe (1 or 0), smallest pivot, amplification of
+  // values and of gradients, then for each component the value and, if asked for, the gradient.
   Scalar* out;
-  static constexpr int head = 3;
+  static constexpr int head = 4;
 };
 
 constexpr int slots_per_batch = 32;

@@ -62,10 +62,12 @@ struct Kernel : NodeSizes<Scalar, D, R> {
       Scalar* out = nodes.out + static_cast<std::size_t>(j) * out_size;
       typename Matrix::Moments moments;
       for (int k = 0; k < M; ++k) moments[k] = load(from + (1 + k) * L);
-      const auto safe = matrix.factor(moments, load(nodes.noise + j * L));
+      auto safe = matrix.factor(moments, load(nodes.noise + j * L));
+      if (any_lane(safe)) safe = safe && matrix.gradient_resolved();
       store(select(safe && load(from) >= T(Scalar(m)), T(1), T(0)), out);
       store(matrix.smallest_pivot(), out + L);
       store(matrix.amplification(), out + 2 * L);
+      store(matrix.gradient_amplification(), out + 3 * L);
       out += NodeRow<Scalar>::head * L;
       if (!any_lane(safe)) continue;
       for (int c = 0; c < nodes.components; ++c, out += per_component * L) {

@@ -102,6 +102,7 @@ void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t co
     report.neighbours = static_cast<std::uint32_t>(count);
     report.smallest_pivot = static_cast<float>(out[lanes]);
     report.amplification = static_cast<float>(out[2 * lanes]);
+    report.gradient_amplification = static_cast<float>(out[3 * lanes]);
     out += NodeRow<Scalar>::head * lanes;
     for (int c = 0; c < plan_.components; ++c) {
       fits_.values(at, c) = *out;

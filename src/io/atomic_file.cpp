@@ -59,7 +59,7 @@ AtomicFile::AtomicFile(const fs::path& target, bool named) : asked_(target), tar
     throw FileError(asked_, 0, "the file is write-protected");
 
   if (!named) {
-    descriptor_ = open(directory.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    descriptor_ = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
     if (descriptor_ >= 0 && !fs::exists(open_path(), ignored)) {  // no /proc, so no way to a name
       close(descriptor_);
       descriptor_ = -1;
@@ -67,7 +67,7 @@ AtomicFile::AtomicFile(const fs::path& target, bool named) : asked_(target), tar
   }
   while (descriptor_ < 0) {
     temporary_ = directory / unique_name();
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST)
       fail("cannot create a file in " + directory.string(), errno);
   }

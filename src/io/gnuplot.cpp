@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -86,13 +87,23 @@ bool is_complete(const fs::path& file, bool svg) {
 
 namespace detail {
 
+// In double quotes, with octal numbers for the signs that gnuplot expands there, and for digits
+// that would be taken as part of such a number. (In single quotes two apostrophes in a row fail.)
 std::string gnuplot_string(const std::string& text) {
-  std::string quoted(1, '\'');
+  std::string quoted(1, '"');
+  bool after_number = false;
   for (const char c : text) {
-    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    quoted.append(c == '\'' ? 2 : 1, control ? ' ' : c);
+    const unsigned char byte = static_cast<unsigned char>(c);
+    after_number = std::string_view("\"\\`@").find(c) != std::string_view::npos ||
+                   (after_number && std::isdigit(byte) != 0);
+    if (after_number) {
+      quoted += '\\';
+      for (const int shift : {6, 3, 0}) quoted += static_cast<char>('0' + ((byte >> shift) & 7));
+    } else {
+      quoted += byte < 0x20 || byte == 0x7f ? ' ' : c;
+    }
   }
-  quoted += '\'';
+  quoted += '"';
   return quoted;
 }
 

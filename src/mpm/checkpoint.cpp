@@ -1,52 +1,37 @@
 #include "recon/mpm/checkpoint.hpp"
 
-#include <hdf5.h>
+#include <fcntl.h>
+#include <unistd.h>
 
+#include <cmath>
+#include <system_error>
+
+#include "mpm/identity.hpp"
+#include "mpm/sealed_file.hpp"
 #include "recon/io/atomic_file.hpp"
 
 namespace recon::mpm {
 namespace {
 
-// An HDF5 handle that closes itself.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
+// How a number stands in the file, and in memory.
+template <class T>
+struct Kind {
+  static constexpr hsize_t columns = sizeof(T) / sizeof(double);
+  static hid_t file() { return H5T_IEEE_F64LE; }
+  static hid_t memory() { return H5T_NATIVE_DOUBLE; }
 };
-
-// While it lives the HDF5 library does not print.
-class Silence {
- public:
-  Silence() {
-    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Silence() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
-
- private:
-  H5E_auto2_t print_ = nullptr;
-  void* data_ = nullptr;
+template <>
+struct Kind<std::int32_t> {
+  static constexpr hsize_t columns = 1;
+  static hid_t file() { return H5T_STD_I32LE; }
+  static hid_t memory() { return H5T_NATIVE_INT32; }
 };
-
-// A text of up to 63 letters.
-constexpr std::size_t text_size = 64;
-hid_t text_type() {
-  static const hid_t type = [] {
-    const hid_t made = H5Tcopy(H5T_C_S1);
-    H5Tset_size(made, text_size);
-    return made;
-  }();
-  return type;
-}
+template <>
+struct Kind<char> {
+  static constexpr hsize_t columns = 1;
+  static hid_t file() { return H5T_STD_U8LE; }
+  static hid_t memory() { return H5T_NATIVE_UINT8; }
+};
 
 struct Writer {
   const std::filesystem::path& path;
@@ -55,79 +40,86 @@ struct Writer {
   void check(bool good) const {
     if (!good) throw FileError(path, 0, "could not be written");
   }
-  void put(const char* name, const void* data, hid_t type, hsize_t rows, hsize_t columns) const {
-    const hsize_t size[2] = {rows, columns};
+  template <class T>
+  void put(const char* name, const T* data, std::size_t rows) const {
+    const hsize_t size[2] = {rows, Kind<T>::columns};
     const Handle space(H5Screate_simple(2, size, nullptr), H5Sclose);
-    const Handle set(H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                     H5Dclose);
-    check(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_obj_track_times(creation, false);  // the same bytes for the same state
+    const Handle set(
+        H5Dcreate2(file, name, Kind<T>::file(), space, H5P_DEFAULT, creation, H5P_DEFAULT),
+        H5Dclose);
+    check(set >= 0 && (rows == 0 ||
+                       H5Dwrite(set, Kind<T>::memory(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0));
   }
   template <class T>
   void operator()(const char* name, const std::vector<T>& values) const {
-    if constexpr (std::is_same_v<T, std::int32_t>)
-      put(name, values.data(), H5T_NATIVE_INT32, values.size(), 1);
-    else
-      put(name, values.data(), H5T_NATIVE_DOUBLE, values.size(), sizeof(T) / sizeof(double));
-  }
-  void attribute(const char* name, const void* value, hid_t type) const {
-    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const Handle at(H5Acreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    check(at >= 0 && H5Awrite(at, type, value) >= 0);
+    put(name, values.data(), values.size());
   }
   void attribute(const char* name, double value) const {
-    attribute(name, &value, H5T_NATIVE_DOUBLE);
-  }
-  void attribute(const char* name, const std::string& value) const {
-    char text[text_size] = {};  // as many bytes are written, whatever the length
-    value.copy(text, text_size - 1);
-    attribute(name, text, text_type());
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle at(H5Acreate2(file, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT),
+                    H5Aclose);
+    check(at >= 0 && H5Awrite(at, H5T_NATIVE_DOUBLE, &value) >= 0);
   }
 };
 
+// Everything is of the type and size that Writer gave it, or refused before memory is taken for it.
 struct Reader {
   const std::filesystem::path& path;
   hid_t file;
-  std::size_t particles;
+  std::uint64_t file_size;
 
   void check(bool good, const std::string& what) const {
     if (!good) throw FileError(path, 0, what);
   }
-  template <class T>
-  void operator()(const char* name, std::vector<T>& values, bool of_particles = true) const {
-    constexpr bool whole = std::is_same_v<T, std::int32_t>;
-    const hsize_t columns = whole ? 1 : sizeof(T) / sizeof(double);
+  // rows: as many as there must be, or at most with `fewer`.
+  template <class Values>
+  void read(const char* name, Values& values, std::size_t rows, bool fewer = false) const {
+    using T = typename Values::value_type;
+    const std::string text(name);
+    H5L_info_t link{};
+    check(H5Lget_info(file, name, &link, H5P_DEFAULT) >= 0 && link.type == H5L_TYPE_HARD,
+          "has no data set '" + text + "'");
     const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-    check(set >= 0, std::string("has no data set '") + name + "': no checkpoint of this problem");
-    const Handle space(H5Dget_space(set), H5Sclose);
+    check(set >= 0, "'" + text + "' is no data set");
+    const Handle type(H5Dget_type(set), H5Tclose), space(H5Dget_space(set), H5Sclose),
+        creation(H5Dget_create_plist(set), H5Pclose);
+    check(type >= 0 && space >= 0 && creation >= 0 && H5Tequal(type, Kind<T>::file()) > 0 &&
+              H5Pget_layout(creation) == H5D_CONTIGUOUS && H5Pget_external_count(creation) == 0 &&
+              H5Sget_simple_extent_type(space) == H5S_SIMPLE,
+          "'" + text + "' is of a type that no checkpoint has");
     hsize_t size[2] = {0, 0};
-    check(H5Sget_simple_extent_ndims(space) == 2, std::string(name) + " is no table");
-    H5Sget_simple_extent_dims(space, size, nullptr);
-    check((size[0] == particles || !of_particles) && size[1] == columns,
-          std::string(name) + " is " + std::to_string(size[0]) + " x " + std::to_string(size[1]) +
-              ", the problem needs " + std::to_string(particles) + " x " + std::to_string(columns));
+    check(H5Sget_simple_extent_ndims(space) == 2 &&
+              H5Sget_simple_extent_dims(space, size, nullptr) == 2,
+          "'" + text + "' is no table");
+    check((fewer ? size[0] <= rows : size[0] == rows) && size[1] == Kind<T>::columns &&
+              (size[0] == 0 ||
+               (size[0] <= file_size && H5Dget_storage_size(set) == size[0] * sizeof(T))),
+          "'" + text + "' is " + std::to_string(size[0]) + " x " + std::to_string(size[1]) +
+              ", not " + (fewer ? "at most " : "") + std::to_string(rows) + " x " +
+              std::to_string(Kind<T>::columns));
     values.resize(size[0]);
-    check(H5Dread(set, whole ? H5T_NATIVE_INT32 : H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                  values.data()) >= 0,
-          std::string(name) + " could not be read");
-  }
-  void attribute(const char* name, void* value, hid_t type) const {
-    const Handle at(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
-    check(at >= 0 && H5Aread(at, type, value) >= 0,
-          std::string("has no attribute '") + name + "': no checkpoint of a run");
+    check(size[0] == 0 ||
+              H5Dread(set, Kind<T>::memory(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
+          "'" + text + "' could not be read");
   }
   double number(const char* name) const {
+    const std::string text(name);
+    const Handle at(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
+    check(at >= 0, "has no attribute '" + text + "'");
+    const Handle type(H5Aget_type(at), H5Tclose), space(H5Aget_space(at), H5Sclose);
+    check(type >= 0 && space >= 0 && H5Tequal(type, H5T_IEEE_F64LE) > 0 &&
+              H5Sget_simple_extent_type(space) == H5S_SCALAR,
+          "the attribute '" + text + "' is no number");
     double value = 0;
-    attribute(name, &value, H5T_NATIVE_DOUBLE);
-    return value;
-  }
-  std::string text(const char* name) const {
-    char value[text_size + 1] = {};
-    attribute(name, value, text_type());
+    check(H5Aread(at, H5T_NATIVE_DOUBLE, &value) >= 0 && std::isfinite(value),
+          "the attribute '" + text + "' is no finite number");
     return value;
   }
 };
 
-// Calls each(name, array) for all that a checkpoint holds.
+// Calls each(name, array) for all that every checkpoint holds of its particles.
 template <class Each, class AnyParticles>
 void for_all_arrays(const Each& each, AnyParticles& particles) {
   each("X", particles.X);
@@ -143,67 +135,141 @@ void for_all_arrays(const Each& each, AnyParticles& particles) {
   each("body", particles.body);
 }
 
+constexpr std::size_t most_frames = 1000001;
+
+bool all_finite(double value) {
+  return std::isfinite(value);
+}
+bool all_finite(std::int32_t) {
+  return true;
+}
+template <int R, int C>
+bool all_finite(const Eigen::Matrix<double, R, C>& value) {
+  return value.allFinite();
+}
+template <class T, std::size_t N>
+bool all_finite(const std::array<T, N>& values) {
+  for (const T& value : values)
+    if (!all_finite(value)) return false;
+  return true;
+}
+
+// What the particles of a run are, and those of this problem.
+template <int D>
+void check_particles(const Reader& read, const Particles<D>& found, const Problem<D>& problem) {
+  const Particles<D>& now = problem.particles;
+  const auto bad = [&](std::size_t p, const std::string& what) {
+    throw FileError(read.path, 0, "particle " + std::to_string(p) + ": " + what);
+  };
+  const auto finite = [&](const char* name, const auto& values, std::size_t per_particle = 1) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!all_finite(values[i])) bad(i / per_particle, std::string(name) + " is not finite");
+  };
+  for_all_arrays([&](const char* name, const auto& values) { finite(name, values); }, found);
+  finite("corners", found.corners);
+  finite("modes", found.modes, found.modes.size() / std::max<std::size_t>(found.size(), 1));
+  // The particles of the problem are made anew in each run, perhaps with other roundings.
+  constexpr double same = 1e-9;
+  const double length = same * problem.grid.h();
+  for (std::size_t p = 0; p < found.size(); ++p) {
+    if (found.body[p] != now.body[p])
+      bad(p, "is of body " + std::to_string(std::int64_t{found.body[p]} + 1) +
+                 " in the checkpoint, of body " + std::to_string(std::int64_t{now.body[p]} + 1) +
+                 " now");
+    if (!((found.X[p] - now.X[p]).norm() <= length) ||
+        !((found.half_edges[p] - now.half_edges[p]).norm() <= length))
+      bad(p, "its place at the start or its size is another one than in the checkpoint");
+    if (!(std::abs(found.mass[p] - now.mass[p]) <= same * now.mass[p]) ||
+        !(std::abs(found.volume0[p] - now.volume0[p]) <= same * now.volume0[p]))
+      bad(p, "its mass or volume at the start is another one than in the checkpoint");
+    if (!problem.grid.contains(found.x[p])) bad(p, "it is outside of the grid");
+    const double J = found.F[p].determinant();
+    if (!(J > 0) || !std::isfinite(J)) bad(p, "det F is not positive");
+  }
+}
+
 }  // namespace
 
 template <int D>
 void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& simulation,
                       const RunState& state) {
-  const Silence silence;
+  const QuietHdf5 quiet;
   AtomicFile atomic(path);
+  int error = 0;
   {
-    const Handle file(
-        H5Fcreate(atomic.temporary().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    const Handle file(create_hdf5(atomic.descriptor(), error), H5Fclose);
     const Writer write{path, file};
     write.check(file >= 0);
     const Particles<D>& particles = simulation.particles();
+    const std::string problem = to_text(identity_of(simulation.problem()));
+    write.put("problem", problem.data(), problem.size());
     for_all_arrays(write, particles);
     if (!particles.corners.empty()) write("corners", particles.corners);
     if (!particles.modes.empty()) write("modes", particles.modes);
     write("frame_times", state.frame_times);
-    write.attribute("dimension", D);
-    write.attribute("method", simulation.problem().method.name);
     write.attribute("time", simulation.time());
     write.attribute("steps", static_cast<double>(simulation.steps()));
     write.attribute("last_dt", simulation.last_step());
     write.attribute("start_kinetic", state.start.kinetic);
     write.attribute("start_node_kinetic", state.start.node_kinetic);
     write.attribute("start_strain", state.start.strain);
-    write.check(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0);
   }
+  if (error == 0) error = write_seal(atomic.descriptor());
+  if (error != 0)
+    throw FileError(path, 0, "cannot write: " + std::generic_category().message(error));
   atomic.commit();
 }
 
 template <int D>
 RunState read_checkpoint(const std::filesystem::path& path, Simulation<D>& simulation) {
-  const Silence silence;
-  if (!std::filesystem::exists(path)) throw FileError(path, 0, "no such file");
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  const Reader read{path, file, simulation.particles().size()};
-  read.check(file >= 0, "is no HDF5 file, so no checkpoint");
-  const auto dimension = static_cast<int>(read.number("dimension"));
-  read.check(dimension == D, "is a checkpoint in " + std::to_string(dimension) +
-                                 " dimensions, the problem has " + std::to_string(D));
-  const std::string method = read.text("method");
-  read.check(method == simulation.problem().method.name,
-             "is a checkpoint of the method '" + method + "', the problem has '" +
-                 simulation.problem().method.name + "'");
+  const QuietHdf5 quiet;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw FileError(path, 0, "no such file");
+  if (!std::filesystem::is_regular_file(path, ignored)) throw FileError(path, 0, "is no file");
+  struct Descriptor {
+    int number;
+    ~Descriptor() {
+      if (number >= 0) close(number);
+    }
+  } const opened{open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (opened.number < 0)
+    throw FileError(path, 0, "cannot read: " + std::generic_category().message(errno));
+  check_seal(path, opened.number);
+
+  const Handle file(open_hdf5(opened.number), H5Fclose);
+  const Reader read{path, file, std::filesystem::file_size(path)};
+  read.check(file >= 0, "what the seal holds is not HDF5");
+  const Problem<D>& problem = simulation.problem();
+  std::string identity;
+  read.read("problem", identity, read.file_size, true);
+  const std::string differs = difference(identity_from(identity), identity_of(problem));
+  if (!differs.empty()) throw FileError(path, 0, "is a checkpoint of another problem: " + differs);
+
   Particles<D> particles;
-  for_all_arrays(read, particles);
-  if (!simulation.particles().corners.empty()) read("corners", particles.corners);
-  if (!simulation.particles().modes.empty()) {
-    read("modes", particles.modes, false);
-    read.check(particles.modes.size() == simulation.particles().modes.size(),
-               "has " + std::to_string(particles.modes.size()) +
-                   " coefficients of modes, the problem needs " +
-                   std::to_string(simulation.particles().modes.size()));
-  }
-  simulation.restore(std::move(particles), read.number("time"),
-                     static_cast<std::int64_t>(read.number("steps")), read.number("last_dt"));
+  const Particles<D>& now = problem.particles;
+  for_all_arrays([&](const char* name, auto& values) { read.read(name, values, now.size()); },
+                 particles);
+  if (!now.corners.empty()) read.read("corners", particles.corners, now.corners.size());
+  if (!now.modes.empty()) read.read("modes", particles.modes, now.modes.size());
+  check_particles(read, particles, problem);
+
   RunState state;
-  read("frame_times", state.frame_times, false);
+  read.read("frame_times", state.frame_times, most_frames, true);
+  const double time = read.number("time"), steps = read.number("steps"),
+               last_dt = read.number("last_dt");
+  read.check(time >= 0 && last_dt >= 0, "has a time or step below zero");
+  read.check(steps >= 0 && steps < 0x1p53 && steps == std::floor(steps),
+             "has a number of steps that is none");
+  double before = -1;
+  for (const double each : state.frame_times) {
+    read.check(std::isfinite(each) && each > before && each <= time,
+               "has frames at times out of order");
+    before = each;
+  }
   state.start.kinetic = read.number("start_kinetic");
   state.start.node_kinetic = read.number("start_node_kinetic");
   state.start.strain = read.number("start_strain");
+  simulation.restore(std::move(particles), time, static_cast<std::int64_t>(steps), last_dt);
   return state;
 }
 

@@ -11,10 +11,21 @@
 namespace recon::mpm {
 namespace {
 
-// The step, shortened so that `end` is met by steps of nearly equal length.
-double step_towards(double end, double time, double dt) {
-  const double left = end - time;
-  return left / std::ceil(left / dt * (1 - 1e-12));
+// The step, shortened so that `end` is met by steps of nearly equal length. Throws Failure where
+// speeds have grown so much that no end is in sight.
+template <int D>
+Step step_towards(double end, const Simulation<D>& simulation) {
+  Step step = simulation.choose_step();
+  const double time = simulation.time(), left = end - time;
+  const double steps = std::ceil(left / step.dt * (1 - 1e-12));
+  const double most = simulation.problem().limits.steps;
+  step.dt = left / steps;
+  if (!(time + step.dt > time) || !(static_cast<double>(simulation.steps()) + steps <= most))
+    throw Failure(simulation.steps(), "particle", step.particle,
+                  "it asks for a step of " + recon::detail::to_text(step.dt) + " at " +
+                      recon::detail::to_text(time) + ", so for " + recon::detail::to_text(steps) +
+                      " more steps");
+  return step;
 }
 
 // ledger.csv, complete also where a run ends by an exception; a run that goes on keeps the rows
@@ -23,16 +34,16 @@ class LedgerFile {
  public:
   LedgerFile(const std::filesystem::path& path, bool goes_on, std::int64_t first_step)
       : path_(path) {
-    std::string kept = ledger_header() + "\n";
-    if (goes_on && std::filesystem::exists(path)) {
+    AtomicFile file(path);
+    file.write(ledger_header() + "\n");
+    if (goes_on) {
       std::ifstream before(path);
       std::string line;
       std::getline(before, line);
-      while (std::getline(before, line) && std::atoll(line.c_str()) < first_step)
-        kept += line + "\n";
+      // A line without its end is one that a full disk has cut.
+      while (std::getline(before, line) && !before.eof() && std::atoll(line.c_str()) < first_step)
+        file.write(line + "\n");
     }
-    AtomicFile file(path);
-    file.write(kept);
     file.commit();
     out_.open(path, std::ios::app);
   }
@@ -49,6 +60,14 @@ class LedgerFile {
   std::ofstream out_;
 };
 
+bool same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code none;
+  const auto or_here = [](const std::filesystem::path& path) {
+    return path.empty() ? std::filesystem::path(".") : path;
+  };
+  return std::filesystem::equivalent(or_here(a), or_here(b), none);
+}
+
 }  // namespace
 
 template <int D>
@@ -59,41 +78,64 @@ void run_until(Simulation<D>& simulation, double end, const std::function<void()
     simulation.map();
     if (observe) observe();
     if (done) return;
-    simulation.advance(step_towards(end, simulation.time(), simulation.choose_step().dt));
+    simulation.step(step_towards(end, simulation).dt);
   }
 }
 
 template <int D>
 RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   const double end = file.problem.time.end;
+  require(std::isfinite(end), "end", end, "must be finite");
+  file.problem.validate();
+  RunResult result;
+  result.forecast = forecast(file.problem);
+  require_possible(file.problem, result.forecast);
   const int frames = file.output.frames;
   const std::filesystem::path ledger_path = options.folder / "ledger.csv";
   const std::filesystem::path checkpoint = options.folder / "checkpoint.h5";
-  const bool goes_on = !options.restart.empty();
-  if (!goes_on && !options.overwrite)
+  const bool from_start = options.restart.empty();
+  const bool own_folder = !from_start && same_folder(options.restart.parent_path(), options.folder);
+  if (!own_folder && !options.overwrite)
     for (const auto& path : {ledger_path, checkpoint})
       if (std::filesystem::exists(path))
-        throw FileError(path, 0,
-                        "is of another run; go on with it, overwrite it, or choose another folder");
+        throw OtherRun(path, 0,
+                       "is of another run; go on from its checkpoint, overwrite it, or choose "
+                       "another folder");
 
   Simulation<D> simulation(file.problem);
   RunState state;
-  if (goes_on) state = read_checkpoint(options.restart, simulation);
+  if (!from_start) {
+    try {
+      state = read_checkpoint(options.restart, simulation);
+      if (simulation.time() > end * (1 + 1e-12))
+        throw FileError(options.restart, 0,
+                        "is at the time " + recon::detail::to_text(simulation.time()) +
+                            ", after the end of the problem, " + recon::detail::to_text(end));
+    } catch (const FileError& why) {
+      throw NoRestart(why);
+    }
+    result.forecast = forecast(simulation.problem(), simulation.time());
+    require_possible(simulation.problem(), result.forecast, simulation.time());
+  }
+  if (options.begins) options.begins(result.forecast);
   std::error_code error;
   std::filesystem::create_directories(options.folder, error);
   if (error) throw FileError(options.folder, 0, "could not be made: " + error.message());
 
   std::optional<LedgerFile> ledger_file;
-  if (file.output.ledger) ledger_file.emplace(ledger_path, goes_on, simulation.steps());
-  RunResult result;
+  if (file.output.ledger) ledger_file.emplace(ledger_path, own_folder, simulation.steps());
+  FrameOptions frame_options;
+  frame_options.fields = file.output.fields;
+  frame_options.first_listed = own_folder ? 0 : state.frame_times.size();
   result.shortest_step = std::numeric_limits<double>::infinity();
-  // The frame at which a restart begins has been written.
+  // Frames are due at the multiples of this; the one at which a restart begins has been written.
+  const double spacing = frames > 0 ? end / frames : 0;
   const auto frame_due = [&] {
     if (frames == 0) return false;
-    const auto written = static_cast<double>(state.frame_times.size());
-    return simulation.time() >= written * end / frames * (1 - 1e-9);
+    const auto multiple = [&](double time) { return std::floor(time / spacing * (1 + 1e-9)); };
+    return state.frame_times.empty() ||
+           multiple(simulation.time()) > multiple(state.frame_times.back());
   };
-  const bool from_start = !goes_on;
   for (bool first = true;; first = false) {
     simulation.map();
     const bool done = simulation.time() >= end * (1 - 1e-14);
@@ -108,15 +150,17 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
     result.unfitted = std::max(result.unfitted, simulation.nodes().unfitted);
     if (ledger_file) ledger_file->add(now);
     const bool due = frame_due();
-    if (due) write_frame(options.folder, options.name, simulation, state.frame_times);
-    if (due || done || (first && from_start)) {
+    if (due)
+      write_frame(options.folder, options.name, simulation, state.frame_times, frame_options);
+    result.stopped = !done && options.stop && options.stop();
+    if (due || done || result.stopped || (first && from_start)) {
       if (ledger_file) ledger_file->flush();
       write_checkpoint(checkpoint, simulation, state);
+      if (options.saved) options.saved(simulation.time(), simulation.steps());
     }
-    if (done) break;
-    Step step = simulation.choose_step();
-    step.dt = step_towards(end, simulation.time(), step.dt);
-    simulation.advance(step.dt);
+    if (done || result.stopped) break;
+    const Step step = step_towards(end, simulation);
+    simulation.step(step.dt);
     if (step.dt < result.shortest_step) {
       result.shortest_step = step.dt;
       result.limiting_particle = step.particle;

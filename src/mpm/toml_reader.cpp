@@ -16,18 +16,17 @@ std::string kind_of(const toml::node& node) {
   return text.str();
 }
 
+toml::table parse(const std::string& text, const std::filesystem::path& file);
+
 // The value of "key=value": TOML, or a bare word.
 toml::table parse_setting(const std::string& key, const std::string& value) {
-  try {
-    return toml::parse("value = " + value);
-  } catch (const toml::parse_error&) {
-    try {
-      return toml::parse("value = '" + value + "'");
-    } catch (const toml::parse_error& error) {
-      throw FileError("--set " + key, 0,
-                      "'" + value + "' is no value: " + std::string(error.description()));
+  const std::filesystem::path place = "--set " + key;
+  for (const char* quote : {"", "'"}) try {
+      toml::table found = parse("value = " + (quote + value) + quote, place);
+      if (found.size() == 1) return found;
+    } catch (const FileError&) {
     }
-  }
+  throw FileError(place, 0, "'" + value + "' is no value");
 }
 
 // Puts the value at a dotted path; of a list of tables, in all of them.
@@ -53,15 +52,18 @@ void assign(toml::table& table, std::string_view path, const std::string& key,
     throw FileError("--set " + key, 0, "'" + std::string(name) + "' is no table in the file");
 }
 
-void apply(toml::table& root, const std::string& setting, std::span<const std::string> known) {
+void apply(toml::table& root, const std::string& setting, const KnownKeys& known) {
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0)
     throw FileError("--set " + setting, 0, "needs key=value, for example method.name=cpls");
   std::string key = setting.substr(0, equals);
   std::vector<std::string> same;
-  for (const std::string& each : known)
+  for (const std::string& each : known.settable)
     if (each == key || each.ends_with("." + key)) same.push_back(each);
-  if (same.empty()) throw FileError("--set " + key, 0, "unknown key; " + suggest(key, known));
+  for (const std::string& each : known.others)
+    if (each == key) same.push_back(each);
+  if (same.empty())
+    throw FileError("--set " + key, 0, "unknown key; " + suggest(key, known.settable));
   if (same.size() > 1 && std::find(same.begin(), same.end(), key) == same.end())
     throw FileError("--set " + key, 0, "is ambiguous; " + suggest(key, same));
   if (same.size() == 1) key = same.front();
@@ -70,20 +72,82 @@ void apply(toml::table& root, const std::string& setting, std::span<const std::s
   assign(root, key, key, *value.get("value"));
 }
 
+std::size_t line_count(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
+}
+
+// Up to the end of a line, counted from 1.
+std::string first_lines(const std::string& text, std::size_t lines) {
+  std::size_t at = 0;
+  for (; lines > 0 && at < text.size(); --lines)
+    at = std::min(text.find('\n', at), text.size()) + 1;
+  return text.substr(0, at);
+}
+
+toml::table parse(const std::string& text, const std::filesystem::path& file) {
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw FileError(file, error.source().begin.line, std::string(error.description()));
+  } catch (const BrokenAssumption&) {
+  }
+  // It does not say where: at the end of the shortest part that breaks it, too.
+  std::size_t fine = 0, broken = line_count(text);
+  while (broken - fine > 1) {
+    const std::size_t middle = (fine + broken) / 2;
+    bool breaks = false;
+    try {
+      static_cast<void>(toml::parse(first_lines(text, middle)));
+    } catch (const toml::parse_error&) {  // of the cut
+    } catch (const BrokenAssumption&) {
+      breaks = true;
+    }
+    (breaks ? broken : fine) = middle;
+  }
+  throw FileError(file, broken, "is no TOML: tables are written [name], lists of them [[name]]");
+}
+
+// Throws for a key of the table, or of one within it, that is not among `known`, or is a table where
+// none is known.
+void require_known(const toml::table& table, const std::string& path,
+                   const std::vector<std::string>& known, const std::filesystem::path& file) {
+  const std::string prefix = path.empty() ? "" : path + ".";
+  for (const auto& [key, node] : table) {
+    const std::string name = prefix + std::string(key.str());
+    if (std::find(known.begin(), known.end(), prefix + "*") != known.end()) continue;
+    const auto within = [&](const std::string& each) { return each.starts_with(name + "."); };
+    if (std::find(known.begin(), known.end(), name) == known.end() &&
+        std::none_of(known.begin(), known.end(), within)) {
+      std::vector<std::string> beside;
+      for (const std::string& each : known)
+        if (each.starts_with(prefix)) {
+          std::string word = each.substr(prefix.size());
+          word = word.substr(0, word.find('.'));
+          if (std::find(beside.begin(), beside.end(), word) == beside.end())
+            beside.push_back(std::move(word));
+        }
+      throw FileError(file, node.source().begin.line,
+                      name + ": unknown key; " + suggest(key.str(), beside));
+    }
+    if (const toml::table* inner = node.as_table()) require_known(*inner, name, known, file);
+    if (const toml::array* list = node.as_array())
+      for (const toml::node& each : *list)
+        if (const toml::table* inner = each.as_table()) require_known(*inner, name, known, file);
+  }
+}
+
 }  // namespace
 
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
-                       std::span<const std::string> settings, std::span<const std::string> known) {
-  toml::table root;
-  try {
-    root = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw FileError(file, error.source().begin.line, std::string(error.description()));
-  }
-  std::vector<std::string> all(known.begin(), known.end());
+                       std::span<const std::string> settings, const KnownKeys& known) {
+  toml::table root = parse(text, file);
+  KnownKeys all = known;
   if (const toml::table* constants = root["constants"].as_table())
-    for (const auto& [key, node] : *constants) all.push_back("constants." + std::string(key.str()));
+    for (const auto& [key, node] : *constants)
+      all.settable.push_back("constants." + std::string(key.str()));
   for (const std::string& setting : settings) apply(root, setting, all);
+  all.settable.insert(all.settable.end(), all.others.begin(), all.others.end());
+  require_known(root, "", all.settable, file);
   return root;
 }
 
@@ -93,16 +157,20 @@ const toml::node* TomlTable::find(std::string_view key) const {
 }
 
 std::string TomlTable::full(std::string_view key) const {
+  if (key.empty()) return name_;
   return name_.empty() ? std::string(key) : name_ + "." + std::string(key);
 }
 
 void TomlTable::fail_at(const toml::node& node, std::string_view key,
                         const std::string& what) const {
-  throw FileError(*file_, node.source().begin.line, full(key) + ": " + what);
+  const std::string name = full(key);
+  // The first line is that of the whole file, which is no place.
+  throw FileError(*file_, &node == table_ && name_.empty() ? 0 : node.source().begin.line,
+                  (name.empty() ? "" : name + ": ") + what);
 }
 
 void TomlTable::fail(std::string_view key, const std::string& what) const {
-  const toml::node* node = table_->get(key);
+  const toml::node* node = key.empty() ? nullptr : table_->get(key);
   fail_at(node ? *node : *table_, key, what);
 }
 
@@ -157,6 +225,23 @@ std::string TomlTable::choice(std::string_view key, std::span<const std::string>
   fail(key, "unknown '" + word + "'; " + suggest(word, choices));
 }
 
+std::vector<std::string> TomlTable::choices(std::string_view key,
+                                            std::span<const std::string> known) const {
+  const toml::array* list = require(key).as_array();
+  if (!list) fail(key, "a list is needed, [\"" + known.front() + "\", ...]");
+  std::vector<std::string> chosen;
+  for (const toml::node& node : *list) {
+    const auto word = node.value_exact<std::string>();
+    if (!word) fail_at(node, key, "a text is needed, not a " + kind_of(node));
+    if (std::find(known.begin(), known.end(), *word) == known.end())
+      fail_at(node, key, "unknown '" + *word + "'; " + suggest(*word, known));
+    if (std::find(chosen.begin(), chosen.end(), *word) != chosen.end())
+      fail_at(node, key, "'" + *word + "' is given twice");
+    chosen.push_back(*word);
+  }
+  return chosen;
+}
+
 std::vector<const toml::node*> TomlTable::elements(std::string_view key, std::size_t count) const {
   const toml::node& node = require(key);
   std::vector<const toml::node*> found;
@@ -203,10 +288,11 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
 }
 
 void TomlTable::finish() const {
-  const std::vector<std::string> known(asked_.begin(), asked_.end());
+  std::string used;
+  for (const std::string& key : asked_) used += (used.empty() ? "" : ", ") + key;
   for (const auto& [key, node] : *table_)
     if (!asked_.contains(key.str()))
-      fail_at(node, key.str(), "unknown key; " + suggest(key.str(), known));
+      fail_at(node, key.str(), "has no meaning with the other keys here; those that have: " + used);
 }
 
 }  // namespace recon::mpm

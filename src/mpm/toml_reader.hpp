@@ -2,14 +2,14 @@
 // and each complaint names file, line, key and the valid choices.
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "mpm/toml.hpp"
 
 namespace recon::mpm {
 
@@ -29,6 +29,8 @@ class TomlTable {
   // One of the choices; the first is the default where the key is absent, unless it is required.
   std::string choice(std::string_view key, std::span<const std::string> choices,
                      bool required = false) const;
+  // A list of some of them, none twice.
+  std::vector<std::string> choices(std::string_view key, std::span<const std::string> known) const;
   std::vector<double> numbers(std::string_view key, std::size_t count) const;
   // Elements of an array (or the value itself) for the caller to take apart.
   std::vector<const toml::node*> elements(std::string_view key, std::size_t count) const;
@@ -38,17 +40,18 @@ class TomlTable {
   // All [[key]] tables.
   std::vector<TomlTable> tables(std::string_view key) const;
 
-  // Throws for keys that nobody has asked for.
+  // Throws for keys that nobody has asked for, those that the other keys leave without a meaning.
   void finish() const;
   [[noreturn]] void fail(std::string_view key, const std::string& what) const;
   [[noreturn]] void fail_at(const toml::node& node, std::string_view key,
                             const std::string& what) const;
   const toml::table& raw() const { return *table_; }
+  // The key as complaints call it: "body 2.shape".
+  std::string full(std::string_view key) const;
 
  private:
   const toml::node* find(std::string_view key) const;
   const toml::node& require(std::string_view key) const;
-  std::string full(std::string_view key) const;
 
   const std::filesystem::path* file_;
   std::string name_;
@@ -56,9 +59,15 @@ class TomlTable {
   mutable std::set<std::string, std::less<>> asked_;
 };
 
-// Parses the text of a file and applies the settings. Throws FileError.
+// What a file may hold: keys by their path, "body.shape" also for [[body]]. Tables that end in ".*"
+// may have any keys. `settable` can be named by --set without their table, `others` only in full.
+struct KnownKeys {
+  std::vector<std::string> settable, others;
+};
+
+// Parses the text of a file and applies the settings. Throws FileError, for a key or table that is
+// not known before anything else is asked about.
 toml::table parse_toml(const std::string& text, const std::filesystem::path& file,
-                       std::span<const std::string> settings,
-                       std::span<const std::string> known_keys);
+                       std::span<const std::string> settings, const KnownKeys& known);
 
 }  // namespace recon::mpm

@@ -89,7 +89,8 @@ class CellTargets {
     const S farthest =
         shared_.options.shape == SupportShape::cube ? farthest_along_axis() : std::sqrt(farthest2);
     rho = static_cast<S>(question.factor * static_cast<double>(farthest));
-    return farthest > 0 && std::isfinite(rho) ? Outcome::found : Outcome::not_covered;
+    const bool apart = farthest * farthest >= std::numeric_limits<S>::min();
+    return apart && std::isfinite(rho) ? Outcome::found : Outcome::not_covered;
   }
 
   // A radius that most likely holds k.

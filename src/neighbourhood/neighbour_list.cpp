@@ -1,6 +1,7 @@
 #include "recon/neighbourhood/neighbour_list.hpp"
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace recon {
@@ -30,6 +31,10 @@ void NeighbourList<Scalar>::validate(std::size_t target_count, std::size_t parti
     if (!(support[t] > 0) || !std::isfinite(support[t]))
       detail::throw_invalid("support of target " + std::to_string(t), support[t],
                             "must be positive and finite");
+  for (std::size_t t = 0; t < target_count; ++t)
+    if (support[t] * support[t] < std::numeric_limits<Scalar>::min())
+      detail::throw_invalid("support of target " + std::to_string(t), support[t],
+                            "must not be so small that its square underflows");
   require(support_factor == 0 || (support_factor >= 1 && std::isfinite(support_factor)),
           "support_factor of the neighbours", support_factor,
           "must be 0, for supports that stand still, or finite and at least 1");

@@ -146,6 +146,7 @@ class Kernel final : public ShapeKernel<Scalar> {
     report.neighbours = lane.neighbours;
     report.smallest_pivot = lane.smallest_pivot;
     report.amplification = lane.amplification;
+    report.gradient_amplification = lane.gradient_amplification;
     report_full<Basis>(report);
     return report;
   }

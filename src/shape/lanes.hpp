@@ -15,7 +15,7 @@ namespace recon::detail {
 
 struct LaneReport {
   std::uint32_t neighbours = 0;  // with a weight
-  float smallest_pivot = 0, amplification = 0;
+  float smallest_pivot = 0, amplification = 0, gradient_amplification = 0;
   bool done = false;  // else the target needs a closer look, and its rows are not written
 };
 

@@ -73,7 +73,8 @@ class Lanes {
     fetch(i + lanes);
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
-    const MaskOf<T> safe = fit_.fit(cloud);
+    MaskOf<T> safe = fit_.fit(cloud);
+    if (any_lane(safe)) safe = safe && fit_.gradient_resolved();
     if (!any_lane(safe)) return;
 
     values_.resize(static_cast<std::size_t>(most) * detail::jet_size(D));
@@ -87,6 +88,8 @@ class Lanes {
       report.neighbours = static_cast<std::uint32_t>(static_cast<Scalar>(stencil_.weighted()[l]));
       report.smallest_pivot = static_cast<float>(static_cast<Scalar>(fit_.smallest_pivot()[l]));
       report.amplification = static_cast<float>(static_cast<Scalar>(fit_.amplification()[l]));
+      report.gradient_amplification =
+          static_cast<float>(static_cast<Scalar>(fit_.gradient_amplification()[l]));
       report.done = true;
     }
   }

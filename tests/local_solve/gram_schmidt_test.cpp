@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
+
 #include "recon/shape/shape_function.hpp"
 #include "support/clouds.hpp"
 #include "support/invariants.hpp"
@@ -93,6 +95,45 @@ TEST(GramSchmidt, RankOfKnownClouds) {
   EXPECT_EQ(rank(sphere_points<double, 3>(90, 0.4, 1), Monomials<3, 3>{}),
             16);  // harmonics to degree 3
   EXPECT_EQ(rank(duplicated_points<double, 2>(4, 9, 1), Monomials<2, 3>{}), 4);
+}
+
+// The square of the ratio of the extreme singular values of the weighted basis, columns scaled to one
+// length: the reciprocal condition number of the moment matrix scaled to unit diagonal.
+template <class B, class T>
+double reciprocal_condition(const LocalCloud<T, B::dimension>& cloud) {
+  Eigen::MatrixXd a(cloud.size, B::size);
+  for (int p = 0; p < cloud.size; ++p) {
+    std::array<double, B::dimension> xi;
+    for (int d = 0; d < B::dimension; ++d) xi[d] = static_cast<double>(cloud.xi[d][p]);
+    std::array<double, B::size> values;
+    B::evaluate(xi, values.data());
+    for (int j = 0; j < B::size; ++j)
+      a(p, j) = std::sqrt(static_cast<double>(cloud.w[p])) * values[j];
+  }
+  a.colwise().normalize();
+  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(a).singularValues();
+  return std::pow(s[B::size - 1] / s[0], 2);
+}
+
+// The smallest pivot is no less than the reciprocal condition number, and no estimate of it.
+TYPED_TEST(GramSchmidtFit, SmallestPivotBoundsTheReciprocalCondition) {
+  using Scalar = typename TypeParam::Scalar;
+  constexpr int D = TypeParam::D;
+  using B = Monomials<D, 2>;
+  int clear = 0;
+  for (const auto& cloud : hostile_clouds<Scalar, D>()) {
+    const Offsets<Scalar, D> offsets(cloud.points);
+    LocalSolve<Scalar, B> moments(Solver::moment_matrix), columns(Solver::gram_schmidt);
+    for (auto* solve : {&moments, &columns}) {
+      const FitReport report = solve->fit(offsets.cloud());
+      if (report.status != FitStatus::full || report.smallest_pivot < 1e-3f) continue;
+      ++clear;
+      const double truth = reciprocal_condition<B>(offsets.cloud());
+      EXPECT_GE(report.smallest_pivot, truth * (1 - 1e-5)) << cloud.name;
+      EXPECT_LE(report.smallest_pivot, truth * 1000) << cloud.name;
+    }
+  }
+  EXPECT_GT(clear, 3);
 }
 
 template <class C>

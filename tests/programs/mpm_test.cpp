@@ -1,6 +1,8 @@
 // recon-mpm from end to end.
 #ifdef RECON_MPM_PROGRAM
 
+#include <signal.h>
+
 #include "programs/run_program.hpp"
 
 namespace recon::test {
@@ -39,7 +41,8 @@ TEST_F(MpmProgram, ARunLeavesItsFiles) {
 
   // Another run in the same place is refused; going on from the end changes nothing.
   EXPECT_THAT(run("run disks.toml --cells 10 --set end=0.3 --out out").err,
-              HasSubstr("another run"));
+              AllOf(HasSubstr("another run"), HasSubstr("--restart out/checkpoint.h5"),
+                    HasSubstr("--overwrite"), HasSubstr("--out")));
   const std::string before = read("out/ledger.csv");
   succeed(
       "run disks.toml --cells 10 --set end=0.3 --set frames=3 --quiet --out out "
@@ -47,13 +50,72 @@ TEST_F(MpmProgram, ARunLeavesItsFiles) {
   EXPECT_EQ(read("out/ledger.csv"), before);
 }
 
+// And the advice can be followed: too long a step in the first run, half of it in the second.
 TEST_F(MpmProgram, AFailureIsExplained) {
-  const Outcome outcome =
-      run("run wall.toml --method mpm --cells 10 --set 'velocity=[1,0.5]' --quiet --out out");
+  const std::string command =
+      "run disks.toml --method mpm --cells 10 --set end=1 --set frames=40 --quiet --out out "
+      "--set courant=1.6";
+  const Outcome outcome = run(command);
   EXPECT_EQ(outcome.code, 4);
-  EXPECT_THAT(outcome.err,
-              AllOf(HasSubstr("step "), HasSubstr("particle "), HasSubstr("checkpoint.h5")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("step "), HasSubstr("particle "),
+                                 HasSubstr("out/checkpoint.h5 holds its state at time ")));
   EXPECT_TRUE(exists("out/checkpoint.h5"));
+  const std::string more = " --restart out/checkpoint.h5 and --set time.courant=0.8";
+  ASSERT_THAT(outcome.err, HasSubstr("the same command with" + more));
+  const Outcome again = run(command + " --restart out/checkpoint.h5 --set time.courant=0.8");
+  EXPECT_THAT(again.code, testing::AnyOf(0, 4)) << again.err;
+  EXPECT_EQ(run(command + " --overwrite").code, 4);
+
+  const Outcome fixed =
+      run("run wall.toml --method mpm --cells 10 --set 'velocity=[1,0.5]' --quiet --out fixed "
+          "--set rule=fixed --set time.step=0.01");
+  EXPECT_EQ(fixed.code, 4);
+  EXPECT_THAT(fixed.err, HasSubstr("--set time.step=0.005"));
+}
+
+// Ctrl-C saves the run, and what it says goes on with it.
+TEST_F(MpmProgram, ASignalSavesTheRun) {
+  const std::string command = "run disks.toml --cells 10 --set frames=1 --quiet --out 'o u t'";
+  for (const auto& [name, number] : {std::pair("INT", SIGINT), std::pair("TERM", SIGTERM)}) {
+    std::filesystem::remove_all(folder() / "o u t");
+    const Outcome stopped = shell("env --default-signal '" + program() + "' " + command +
+                                  " --set end=1e6 & p=$!; while ! test -e 'o u t/checkpoint.h5'; "
+                                  "do sleep 0.05; done; sleep 0.2; kill -" +
+                                  name + " $p; wait $p");
+    EXPECT_EQ(stopped.code, 128 + number) << stopped.err;
+    EXPECT_THAT(stopped.err,
+                AllOf(HasSubstr("stopped at time "), HasSubstr(", step "),
+                      HasSubstr("the same command with --restart 'o u t/checkpoint.h5'")));
+    for (const std::string& each : files()) EXPECT_THAT(each, Not(HasSubstr(".part")));
+    const ParticleTable ledger = table("o u t/ledger.csv");
+    const double time = ledger.column("time").back();
+    EXPECT_GT(time, 0);
+    succeed(command + " --set end=" + std::to_string(time * 1.01) +
+            " --restart 'o u t/checkpoint.h5'");
+    EXPECT_GE(table("o u t/ledger.csv").size(), ledger.size());
+  }
+}
+
+// What is there stays whole.
+TEST_F(MpmProgram, AFullDiskIsAnError) {
+  const std::string command =
+      "run disks.toml --cells 10 --quiet --out out --set frames=0 --set ledger=false --set end=";
+  succeed(command + "0.1");
+  const std::string before = read("out/checkpoint.h5");
+  const Outcome full = shell("ulimit -f 20; exec '" + program() + "' " + command +
+                             "0.2 --restart out/checkpoint.h5");
+  EXPECT_EQ(full.code, 3);
+  EXPECT_THAT(full.err, HasSubstr("checkpoint.h5: cannot write"));
+  EXPECT_EQ(read("out/checkpoint.h5"), before);
+  succeed(command + "0.2 --restart out/checkpoint.h5");
+}
+
+TEST_F(MpmProgram, ListsOfFramesAreXml) {
+  std::filesystem::copy(folder() / "disks.toml", folder() / "a&b<\"c.toml");
+  succeed("run 'a&b<\"c.toml' --cells 10 --set end=0.01 --set frames=1 --quiet --out out");
+  EXPECT_TRUE(exists("out/a&b<\"c_particles_0001.vtp"));
+  EXPECT_THAT(read("out/a&b<\"c_particles.pvd"),
+              HasSubstr("file=\"a&amp;b&lt;&quot;c_particles_0001.vtp\""));
 }
 
 TEST_F(MpmProgram, Mistakes) {
@@ -62,7 +124,7 @@ TEST_F(MpmProgram, Mistakes) {
   expect_failure("run disk.toml", 2, HasSubstr("no such file"));
   expect_failure("run disks.toml --set cels=3", 2, HasSubstr("grid.cells"));
   expect_failure("run disks.toml --cells 0", 1, HasSubstr("above 0"));
-  expect_failure("run disks.toml --restart none.h5", 3, HasSubstr("no such file"));
+  expect_failure("run disks.toml --restart none.h5", 2, HasSubstr("no such file"));
   expect_failure("disks.toml", 1, HasSubstr("recon-mpm run disks.toml"));
   expect_failure("converge disks.toml --quiet", 2, HasSubstr("no exact solution"));
   expect_failure("converge vibration_1d.toml --times 2T", 1, HasSubstr("none beyond T"));

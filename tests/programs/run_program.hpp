@@ -36,9 +36,13 @@ class ProgramTest : public testing::Test {
 
   // `arguments` as a shell reads them; $CHUTE is the example dump.
   Outcome run(const std::string& arguments) const {
+    return shell("exec '" + program_ + "' " + arguments);
+  }
+  // The program's file, for commands of the shell.
+  const std::string& program() const { return program_; }
+  Outcome shell(const std::string& words) const {
     const std::string command = "cd '" + folder_.string() + "' && CHUTE='" + chute() +
-                                "' && exec '" + program_ + "' " + arguments +
-                                " > .stdout 2> .stderr";
+                                "' && exec > .stdout 2> .stderr && " + words;
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(".stdout"), read(".stderr")};
   }

@@ -52,7 +52,8 @@ std::vector<Scalar> numbers_of(const CsrOperator<Scalar>& op) {
 }
 
 // Rounding that a fit with this report may show: the precision, times terms, times the
-// amplification of the fit and, for the moment matrix, 1 / smallest_pivot.
+// amplification of the fit and, for the moment matrix, 1 / smallest_pivot: a lower bound of its
+// condition number, which errors do not exceed in practice.
 template <class Scalar>
 double rounding(const FitReport& report) {
   const double loss =

@@ -37,7 +37,10 @@ template <class Value>
 std::string to_text(const Value& value) {
   std::ostringstream out;
   out.precision(17);
-  out << value;
+  if constexpr (requires { out << value; })
+    out << value;
+  else
+    out << static_cast<double>(value);  // a number type of the user's own
   return out.str();
 }
 

@@ -1,8 +1,9 @@
 // One number or several side by side: what a kernel needs to be written once for both.
 //
 // A kernel is a template over its value type T. T may be float, double or long double, or a pack of
-// them (core/pack.hpp), with one target in each lane. Arithmetic, comparisons and square roots are
-// the same for both; a comparison of packs gives a mask, so that a kernel must not branch on it but
+// them (core/pack.hpp), with one target in each lane, or a number type of your own
+// (docs/concepts.md), whose functions are found by their arguments. Arithmetic, comparisons and
+// square roots are the same for both; a comparison of packs gives a mask, so that a kernel must not branch on it but
 // select. Where it must know that all lanes agree, it asks any_lane or all_lanes.
 #pragma once
 
@@ -41,6 +42,18 @@ constexpr bool all_lanes(const Mask& mask) {
 template <class T>
 constexpr T constant(double value) {
   return T(static_cast<ScalarOf<T>>(value));
+}
+
+// Neither infinite nor NaN.
+template <class T>
+constexpr bool is_finite(const T& value) {
+  return value - value == T(0);
+}
+
+// A number of one lane for a report.
+template <class T>
+constexpr float to_float(const T& value) {
+  return static_cast<float>(static_cast<double>(value));
 }
 
 // a where the mask holds, b elsewhere.

@@ -11,7 +11,8 @@
 //     R>.
 //
 // solve() no longer has the particles. Where the moment matrix is not safe it lowers the degree
-// until it is: status is then `reduced`, and the value may differ from that of
+// until it is (by the bound of FitReport::amplification, where that exceeds the leverage limit):
+// status is then `reduced`, and the value may differ from that of
 // reconstruct_on_grid(), which would keep the directions that the particles do resolve. Elsewhere
 // both agree to rounding.
 //

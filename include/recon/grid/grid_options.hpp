@@ -29,7 +29,8 @@ struct GridOptions {
   // weights have no natural support. At most 8 spacings.
   std::array<double, max_dimension> support{};
 
-  // Also the gradient of the local polynomial (the diffuse one), zero at degree 0.
+  // Also the gradient of the local polynomial (the diffuse one), zero at degree 0 and in directions
+  // that the particles do not resolve (FitReport::gradient_rank).
   bool gradients = false;
   // Keeps each value in or near the range of the data of the particles in its support, those with
   // m_p > 0 (operators/limit.hpp); gradients are never limited. GridMoments, which keep no data, refuse it.

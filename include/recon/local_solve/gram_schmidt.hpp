@@ -12,10 +12,12 @@
 //   - its independent part is at most `rank` (or the rounding of the coordinates) times its size:
 //   the
 //     particles do not resolve it, as y on a line of particles y = const; or
-//   - the leverage |P(0)| sqrt(sum w) / ||P|| of it, together with the directions of comparable
-//   size (singular
-//     values within a factor of two of the next), exceeds `leverage`: the target lies so far
-//     outside the particles in this direction that the fit would amplify noise by that factor.
+//   - the leverage of it, together with the directions of comparable size (singular values within a
+//     factor of two of the next), exceeds `leverage`: the target lies so far outside the particles
+//     in this direction that the fit would amplify noise by that factor. The factor is
+//     sum_p |phi_p| over what these directions add to the phi_p; |P(0)| sqrt(sum w) / ||P|| bounds
+//     it, and is all that is formed where that is enough. Far from a dense cluster that has most of
+//     the weight the bound is several times too large.
 // The rest goes on. So the constant is never lost (partition of unity survives anything), and a
 // cloud on a line is still reproduced to the asked degree along the line. Dropping singular
 // directions instead of single monomials makes the result independent of the choice of axes: the
@@ -72,18 +74,25 @@ class GramSchmidt {
   // Orthonormalises the basis on the cloud. Never fails: what could not be kept is in the report.
   FitReport fit(const LocalCloud<T, D>& cloud) {
     FitReport report;
+    using std::sqrt;
     report.solver = Solver::gram_schmidt;
     report.neighbours = static_cast<std::uint32_t>(cloud.size);
-    const bool regular = regular_.fit(cloud);
+    bool regular = regular_.fit(cloud);
     if (cloud.size == 0) return report;
     weight_sum_ = regular_.weight_sum();
+    const T limit = T(tolerances_.leverage);
+    if (!regular && regular_.independent()) regular = kept().absolute_sum() <= limit;
     if (regular) {
-      report.smallest_pivot = static_cast<float>(regular_.smallest_pivot());
+      report.smallest_pivot = to_float(regular_.smallest_pivot());
       detail::report_full<B>(report);
     } else {
       fit_blocks(cloud, detail::Thresholds<T>(tolerances_, cloud.noise), report);
     }
-    report.amplification = static_cast<float>(std::sqrt(weight_sum_ * kept().christoffel()));
+    T amplification = T(sqrt(weight_sum_ * kept().christoffel()));
+    if (amplification > limit) amplification = kept().absolute_sum();
+    report.amplification = to_float(amplification);
+    const int linear = regular || !detail::is_monomials<B> ? D : report.kept[1] - flat_;
+    kept().template resolve_gradient<B>(weight_sum_, tolerances_, linear, report);
     return report;
   }
 
@@ -104,11 +113,16 @@ class GramSchmidt {
   // Degree by degree, each as a block of singular directions.
   void fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
                   FitReport& report) {
+    using std::sqrt;
     const int n = cloud.size;
     const T* root = kept().root_weights();
-    const T root_sum = std::sqrt(weight_sum_);
+    const T root_sum = T(sqrt(weight_sum_));
     kept().clear();
     report.kept = {};
+    flat_ = 0;
+    axes_ = {};
+    for (int d = 0; d < D; ++d) axes_[d][d] = T(1);
+    slopes_ = axes_;
 
     T* constant = kept().next_column();
     Jet& constant_jet = kept().next_jet();
@@ -120,7 +134,7 @@ class GramSchmidt {
     report.kept[0] = 1;
 
     T smallest = T(1), drop = thresholds.drop;
-    T floor = detail::rounding_margin<T> * cloud.noise *
+    T floor = T(detail::rounding_margin) * cloud.noise *
               root_sum;  // what rounding of the coordinates alone amounts to
     for (int k = 1; k <= B::degree && kept().rank() < n; ++k) {
       const int columns = fill_block(cloud, k, report.kept[1]);
@@ -136,7 +150,7 @@ class GramSchmidt {
       std::array<T, B::size> size;
       for (int c = 0; c < columns; ++c) {
         order[c] = c;
-        size[c] = std::sqrt(dot(block_column(c, n), block_column(c, n), n));
+        size[c] = T(sqrt(dot(block_column(c, n), block_column(c, n), n)));
       }
       std::stable_sort(order.begin(), order.begin() + columns,
                        [&](int a, int b) { return size[a] > size[b]; });
@@ -151,29 +165,52 @@ class GramSchmidt {
           leverage2 += share * share;
           ++end;
         } while (end < columns && T(2) * size[order[end]] > size[order[end - 1]]);
-        const bool inside = leverage2 <= T(tolerances_.leverage * tolerances_.leverage);
+        const bool inside =
+            leverage2 <= T(tolerances_.leverage * tolerances_.leverage) ||
+            added_sum(order.data() + i, order.data() + end, size, n) <= T(tolerances_.leverage);
         for (; i < end; ++i) {
           const int c = order[i];
           const T* removed = removed_.data() + c * B::size;
-          const T whole = std::sqrt(size[c] * size[c] + dot(removed, removed, lower));
+          const T whole = T(sqrt(size[c] * size[c] + dot(removed, removed, lower)));
           const bool resolved = size[c] > drop * whole && size[c] > floor;
           if (!inside || !resolved || kept().rank() >= n) continue;
           if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
           ++report.kept[k];
-          shortest = std::min(shortest, size[c]);
-          smallest = std::min(smallest, (size[c] / whole) * (size[c] / whole));
+          shortest = smaller(size[c], shortest);
+          smallest = smaller(T((size[c] / whole) * (size[c] / whole)), smallest);
         }
       }
       if (k == 1) {
         if (report.kept[1] == 0) break;
+        if constexpr (detail::is_monomials<B>) find_axes(report.kept[1]);
         // In the higher degrees rounding counts relative to the thinnest kept extent of the cloud,
         // and sizes are powers of that extent: only the relative test makes sense.
-        drop = std::max(drop, detail::rounding_margin<T> * cloud.noise * root_sum / shortest);
+        drop = larger(T(T(detail::rounding_margin) * cloud.noise * root_sum / shortest), drop);
         floor = T(0);
       }
     }
-    report.smallest_pivot = static_cast<float>(smallest);
+    report.smallest_pivot = to_float(smallest);
     detail::finish_report<B>(report);
+  }
+
+  // The coordinates for what comes after the linear block: the directions kept in it, which are the
+  // linear coefficients in the jets of its columns. Where the particles extend so little that a
+  // slope is out of the question, derivatives along the direction are left out from here on: at a
+  // thickness of 1e-12 they would be of the order of 1e24, and all others lost in their rounding.
+  void find_axes(int linear_directions) {
+    using std::sqrt;
+    const T limit2 = detail::gradient_limit2<T>(tolerances_, B::degree);
+    for (int i = 0; i < linear_directions; ++i) {
+      const Jet& jet = kept().jet(1 + i);
+      T norm2 = T(0);
+      for (int d = 0; d < D; ++d) norm2 += jet[1 + d] * jet[1 + d];
+      for (int d = 0; d < D; ++d) axes_[i][d] = jet[1 + d] / T(sqrt(norm2));
+      slopes_[i] = axes_[i];
+      if (weight_sum_ * norm2 <= limit2) continue;
+      slopes_[i].fill(T(0));
+      kept().flatten(1 + i);
+      ++flat_;
+    }
   }
 
   T* block_column(int c, int n) { return block_.data() + static_cast<std::size_t>(c) * n; }
@@ -188,20 +225,8 @@ class GramSchmidt {
     block_jets_.resize(end - begin);
 
     if constexpr (detail::is_monomials<B>) {
-      // Rows of `axes`: the identity for the linear block, then the kept directions (the linear
-      // coefficients in the jets of the columns that the linear block left behind).
-      std::array<std::array<T, D>, D> axes{};
-      int variables = D;
-      if (k == 1) {
-        for (int d = 0; d < D; ++d) axes[d][d] = T(1);
-      } else {
-        variables = linear_directions;
-        for (int i = 0; i < variables; ++i) {
-          T norm = T(0);
-          for (int d = 0; d < D; ++d) norm += kept().jet(1 + i)[1 + d] * kept().jet(1 + i)[1 + d];
-          for (int d = 0; d < D; ++d) axes[i][d] = kept().jet(1 + i)[1 + d] / std::sqrt(norm);
-        }
-      }
+      const int variables = k == 1 ? D : linear_directions;
+      const auto& axes = axes_;
       int columns = 0;
       std::array<int, B::size> chosen;
       for (int j = begin; j < end; ++j) {
@@ -209,7 +234,7 @@ class GramSchmidt {
         for (int d = variables; d < D; ++d) uses_kept = uses_kept && B::exponents[j][d] == 0;
         if (!uses_kept) continue;
         chosen[columns] = j;
-        block_jets_[columns++] = rotated_jet(B::exponents[j], k, axes);
+        block_jets_[columns++] = rotated_jet(B::exponents[j], k, slopes_);
       }
       for (int p = 0; p < n; ++p) {
         const std::array<T, D> xi = cloud.at(p);
@@ -264,6 +289,7 @@ class GramSchmidt {
   // are then the singular directions times their singular values. Jets and removed parts turn
   // along.
   void make_orthogonal(int columns, int lower, int n) {
+    using std::abs, std::sqrt;
     const T tolerance = T(4) * std::numeric_limits<T>::epsilon();
     for (int sweep = 0; sweep < 30; ++sweep) {
       bool done = true;
@@ -271,12 +297,11 @@ class GramSchmidt {
         for (int b = a + 1; b < columns; ++b) {
           T *x = block_column(a, n), *y = block_column(b, n);
           const T xx = dot(x, x, n), yy = dot(y, y, n), xy = dot(x, y, n);
-          if (!(std::abs(xy) > tolerance * std::sqrt(xx) * std::sqrt(yy))) continue;
+          if (!(T(abs(xy)) > T(tolerance * T(sqrt(xx)) * T(sqrt(yy))))) continue;
           done = false;
           const T zeta = (yy - xx) / (T(2) * xy);
-          const T t =
-              (zeta >= T(0) ? T(1) : T(-1)) / (std::abs(zeta) + std::sqrt(T(1) + zeta * zeta));
-          const T c = T(1) / std::sqrt(T(1) + t * t), s = c * t;
+          const T t = (zeta >= T(0) ? T(1) : T(-1)) / (T(abs(zeta)) + T(sqrt(T(1) + zeta * zeta)));
+          const T c = T(1) / T(sqrt(T(1) + t * t)), s = c * t;
           const auto turn = [c, s](T* u, T* v, int count) {
             for (int i = 0; i < count; ++i) {
               const T first = u[i];
@@ -292,16 +317,29 @@ class GramSchmidt {
     }
   }
 
+  // sum_p |phi_p| over what these directions of the block add to the phi_p.
+  template <class Sizes>
+  T added_sum(const int* first, const int* last, const Sizes& size, int n) {
+    using std::abs;
+    return detail::sum_of<T>(n, [&](int p) {
+      T part = T(0);
+      for (const int* c = first; c != last; ++c)
+        part += block_column(*c, n)[p] / size[*c] * (block_jets_[*c][0] / size[*c]);
+      return T(T(abs(part)) * kept().root_weights()[p]);
+    });
+  }
+
   // Appends a direction of the given size, cleaned once more against all that is kept. False where
   // nothing is left.
   bool keep_direction(const T* direction, Jet direction_jet, T size, int n) {
+    using std::sqrt;
     T* column = kept().next_column();
     std::copy(direction, direction + n, column);
     scale(column, direction_jet, T(1) / size, n);
     kept().project_out(column, direction_jet, kept().rank());
     const T left = dot(column, column, n);
     if (!(left > T(0.25))) return false;
-    scale(column, direction_jet, T(1) / std::sqrt(left), n);
+    scale(column, direction_jet, T(1) / T(sqrt(left)), n);
     kept().next_jet() = direction_jet;
     kept().keep();
     return true;
@@ -318,6 +356,10 @@ class GramSchmidt {
   std::vector<T> block_;    // one degree's columns in the block path
   std::vector<T> removed_;  // their parts in the lower degrees, B::size numbers per column
   std::vector<Jet> block_jets_;
+  // Rows: the axes of the block's coordinates, the identity for the linear block; and the same with
+  // zeros for those along which nothing is differentiated, `flat_` of them.
+  std::array<std::array<T, D>, D> axes_{}, slopes_{};
+  int flat_ = 0;
 };
 
 }  // namespace recon

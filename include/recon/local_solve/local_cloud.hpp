@@ -48,6 +48,8 @@ struct FitTolerances {
   double rank = 1e-10;     // drop a direction whose independent part is below this fraction of it
   double leverage = 30.0;  // drop a direction whose value at the target exceeds this times its size
                            // at the particles
+  double gradient_extent = 1e-3;  // no slope across particles that extend less than this many
+                                  // support radii (gradient_resolution.hpp); 0: any slope
 };
 
 // Which derivatives of the shape functions to form.
@@ -82,8 +84,7 @@ namespace detail {
 // How many times the rounding of the coordinates a direction must extend to count as more than
 // rounding. On particles that lie on a line or sphere up to rounding, the independent part measures
 // 0.3 to 2 roundings.
-template <class T>
-inline constexpr T rounding_margin = T(8);
+inline constexpr int rounding_margin = 8;
 
 // Thresholds in the precision of T, all about the independent part of a term or direction relative
 // to the whole of it.
@@ -95,16 +96,26 @@ struct Thresholds {
                        // pivot
 
   Thresholds(const FitTolerances& tolerances, const T& noise) {
+    using std::sqrt;
     using Scalar = ScalarOf<T>;
     const Scalar eps = std::numeric_limits<Scalar>::epsilon();
-    const Scalar root = std::sqrt(eps);
-    const T rounding = rounding_margin<Scalar> * larger(noise, T(eps));
+    const Scalar root = Scalar(sqrt(eps));
+    const T rounding = T(Scalar(rounding_margin)) * larger(noise, T(eps));
     drop = larger(T(static_cast<Scalar>(tolerances.rank)), rounding);
-    const T margin = Scalar(100) * drop * drop;
+    const T margin = T(Scalar(100)) * drop * drop;
     clear2 = larger(margin, T(root));
-    well_conditioned = larger(margin, T(std::sqrt(root)));  // a quarter of the digits may go
+    well_conditioned = larger(margin, T(Scalar(sqrt(root))));  // a quarter of the digits may go
   }
 };
+
+// A slope of a fit of this degree that amplifies errors, in units of the support, more than this
+// (squared) is not resolved: gradient_resolution.hpp.
+template <class Scalar>
+Scalar gradient_limit2(const FitTolerances& tolerances, int degree) {
+  const Scalar extent = static_cast<Scalar>(tolerances.gradient_extent);
+  const Scalar limit = static_cast<Scalar>(degree * degree) / extent;
+  return extent > Scalar(0) ? Scalar(limit * limit) : std::numeric_limits<Scalar>::max();
+}
 
 // Taylor coefficients of order <= 2 about the target, numbered as the monomials of degree <= 2.
 constexpr int jet_size(int dimension) {
@@ -114,6 +125,8 @@ constexpr int jet_size(int dimension) {
 // Fills the parts of a report that follow from how many directions of each degree were kept.
 template <class B>
 void finish_report(FitReport& report) {
+  static_assert(B::degree <= FitReport::max_degree,
+                "recon: the degree of the basis exceeds FitReport::max_degree");
   int rank = 0, degree = -1;
   bool complete = true;
   for (int k = 0; k <= B::degree; ++k) {
@@ -123,6 +136,7 @@ void finish_report(FitReport& report) {
   }
   report.rank = static_cast<std::uint8_t>(rank);
   report.degree = static_cast<std::int8_t>(degree);
+  report.gradient_rank = B::degree >= 1 ? B::dimension : 0;
   report.status = degree == B::degree ? FitStatus::full
                   : degree >= 0       ? FitStatus::reduced
                                       : FitStatus::no_support;

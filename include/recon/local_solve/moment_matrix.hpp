@@ -6,7 +6,8 @@
 // independent of the terms before it, between 0 and 1; digits are lost in proportion to 1 / pivot.
 // Where the smallest pivot is below a quarter of the working precision (eps^(1/4)), or the fit
 // would amplify data errors by more than the leverage limit, the target is handed over to
-// Gram-Schmidt: same answer where both work, and a right one where this would not.
+// Gram-Schmidt: same answer where both work, and a right one where this would not. So is one whose
+// gradient is not clearly resolved in all directions.
 //
 // For monomials, M has only C(2 degree + D, D) different entries, the moments sum_p w_p xi^alpha:
 // those are summed. Cost: that many multiply-adds per particle, m^3 / 6 for the factors.
@@ -65,6 +66,19 @@ class MomentMatrix {
     return factor(noise);
   }
 
+  // All directions have a slope that is clearly resolved (gradient_resolution.hpp): asked apart
+  // from whether M is safe. And FitReport::gradient_amplification, where they have.
+  const Mask& gradient_resolved() const { return gradient_resolved_; }
+  const T& gradient_amplification() const { return gradient_amplification_; }
+  // D^-1/2 L^-1 times the scaled gradients at the target: the G_k of gradient_resolution.hpp.
+  std::array<std::array<T, D>, m> slopes() const {
+    using std::sqrt;
+    std::array<std::array<T, D>, m> g{};
+    reduce_slopes(g);
+    for (int k = 0; k < m; ++k)
+      for (T& component : g[k]) component *= sqrt(inverse_[k]);
+    return g;
+  }
   // The smallest pivot, FitReport::smallest_pivot; and FitReport::amplification.
   const T& smallest_pivot() const { return smallest_; }
   const T& amplification() const { return amplification_; }
@@ -133,6 +147,16 @@ class MomentMatrix {
 
  private:
   using Scalar = ScalarOf<T>;
+
+  // L^-1 times the scaled derivatives of the terms along each axis at the target.
+  RECON_INLINE void reduce_slopes(std::array<std::array<T, D>, m>& g) const {
+    constexpr int first = detail::is_monomials<B> ? 1 : 0;  // the constant has none
+    for (int i = first; i < m; ++i) {
+      for (int d = 0; d < D; ++d) g[i][d] = T(Scalar(B::origin(i, 1 + d))) * scale_[i];
+      for (int k = first; k < i; ++k)
+        for (int d = 0; d < D; ++d) g[i][d] -= lower_[i][k] * g[k][d];
+    }
+  }
 
   RECON_INLINE static T dot(const Vector& a, const Vector& b) {
     T sum = a[0] * b[0];
@@ -208,6 +232,22 @@ class MomentMatrix {
     for (int j = 0; j < m; ++j) christoffel += unit[j] * value_[j];
     const T amplification2 = select(safe, weight_sum * christoffel, T(0));
     amplification_ = sqrt(amplification2);
+    std::array<T, D> slopes2{};
+    if constexpr (B::degree >= 1) {
+      std::array<std::array<T, D>, m> g;
+      if constexpr (detail::is_monomials<B>) g[0] = {};
+      reduce_slopes(g);
+      for (int k = 0; k < m; ++k)
+        for (int d = 0; d < D; ++d) slopes2[d] += g[k][d] * g[k][d] * inverse_[k];
+    }
+    T total = T(0), largest = T(0);
+    for (const T& slope2 : slopes2) {
+      total += slope2;
+      largest = larger(slope2, largest);
+    }
+    gradient_amplification_ = sqrt(select(safe, weight_sum * largest, T(0)));
+    gradient_resolved_ =
+        weight_sum * total <= T(detail::gradient_limit2<Scalar>(tolerances_, B::degree));
     const auto limit = static_cast<Scalar>(tolerances_.leverage);
     return safe && amplification2 <= T(limit * limit);
   }
@@ -215,7 +255,8 @@ class MomentMatrix {
   FitTolerances tolerances_;
   std::array<Vector, m> lower_{};
   Vector pivot_{}, inverse_{}, scale_{}, value_{};
-  T smallest_ = T(0), amplification_ = T(0);
+  T smallest_ = T(0), amplification_ = T(0), gradient_amplification_ = T(0);
+  Mask gradient_resolved_ = Mask(false);
 };
 
 }  // namespace recon

@@ -13,6 +13,7 @@
 
 #include "recon/basis/monomials.hpp"
 #include "recon/core/sums.hpp"
+#include "recon/local_solve/gradient_resolution.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 
 namespace recon {
@@ -35,11 +36,65 @@ class OrthonormalFit {
     return sum;
   }
 
+  // sum_j |grad P_j(0)|^2 along each axis: e_d^T M^-1 e_d of the linear terms.
+  std::array<T, D> slopes2() const {
+    std::array<T, D> sum{};
+    for (int j = 0; j < rank_; ++j)
+      for (int d = 0; d < D; ++d) sum[d] += jets_[j][1 + d] * jets_[j][1 + d];
+    return sum;
+  }
+
+  // sum_p |phi_p|, which sqrt(sum w * christoffel()) bounds.
+  T absolute_sum() {
+    using std::abs;
+    combine(lambda_.data(), [&](int j) { return jets_[j][0]; });
+    return detail::sum_of<T>(n_, [&](int p) { return T(T(abs(lambda_[p])) * root_[p]); });
+  }
+
+  // Completes the report by what the gradient is worth, and takes out of all derivatives to come
+  // what is not resolved: the directions in space, and of the second derivatives the polynomial
+  // whose slope is noise, too. For single targets; in `linear` directions there are slopes.
+  template <class B>
+  void resolve_gradient(const T& weight_sum, const FitTolerances& tolerances, int linear,
+                        FitReport& report) {
+    using std::sqrt;
+    if (B::degree < 1) return;
+    int degree = 1;
+    for (int k = 2; k <= B::degree; ++k)
+      if (report.kept[k] > 0) degree = k;
+    const T limit2 = detail::gradient_limit2<T>(tolerances, degree);
+    const std::array<T, D> slopes = slopes2();
+    T total = T(0);
+    for (const T& slope : slopes) total += weight_sum * slope;
+    report.gradient_rank = D;
+    T amplification2 = weight_sum * *std::max_element(slopes.begin(), slopes.end());
+    if (linear < D || !(total <= limit2)) {
+      partial_ = true;
+      const int rank = rank_;
+      directions_.resize(static_cast<std::size_t>(D) * rank);
+      std::array<T*, D> components;
+      for (int d = 0; d < D; ++d) {
+        components[d] = directions_.data() + d * rank;
+        for (int j = 0; j < rank; ++j) components[d][j] = jets_[j][1 + d];
+      }
+      resolution_ =
+          detail::GradientResolution<T, D>::of(components, rank, weight_sum, linear, limit2);
+      report.gradient_rank = static_cast<std::uint8_t>(resolution_.rank);
+      amplification2 = resolution_.amplification2;
+      partial_ = resolution_.rank < D;
+      for (int d = 0; d < D; ++d)
+        if (resolution_.dropped[d]) remove_from_second_derivatives(components[d]);
+      for (int j = 0; j < rank && partial_; ++j) project(jets_[j]);
+    }
+    report.gradient_amplification = to_float(T(sqrt(amplification2)));
+  }
+
   // Room for up to `terms` columns of n entries; keeps none.
   void start(const LocalCloud<T, D>& cloud, int terms) {
     using std::sqrt;
     n_ = cloud.size;
     rank_ = 0;
+    partial_ = false;
     columns_.resize(static_cast<std::size_t>(terms) * n_);
     jets_.resize(terms);
     root_.resize(n_);
@@ -55,6 +110,10 @@ class OrthonormalFit {
   T* column(int j) { return columns_.data() + static_cast<std::size_t>(j) * n_; }
   T* next_column() { return column(rank_); }
   Jet& next_jet() { return jets_[rank_]; }
+  // The polynomial of column j has no derivatives from here on.
+  void flatten(int j) {
+    for (int a = 1; a < jets; ++a) jets_[j][a] = T(0);
+  }
   void keep() { ++rank_; }
   void clear() { rank_ = 0; }
 
@@ -111,6 +170,14 @@ class OrthonormalFit {
           if (out.kind == Derivative::exact) out.gradient[d][p] += cloud.dw[d][p] * lambda_[p];
         }
       }
+    // The motion of the weights has parts in all directions.
+    if constexpr (LaneTraits<T>::lanes == 1)
+      for (int p = 0; p < n_ && partial_ && out.wants_gradient(); ++p) {
+        std::array<T, D> slope;
+        for (int d = 0; d < D; ++d) slope[d] = out.gradient[d][p];
+        slope = resolution_.project(slope);
+        for (int d = 0; d < D; ++d) out.gradient[d][p] = slope[d];
+      }
     if (out.wants_hessian()) {
       int entry = 0;
       for (int a = 0; a < D; ++a)
@@ -124,6 +191,39 @@ class OrthonormalFit {
   }
 
  private:
+  // Takes the polynomial sum_j c_j P_j out of the second derivatives.
+  void remove_from_second_derivatives(const T* c) {
+    T size2 = T(0);
+    for (int j = 0; j < rank_; ++j) size2 += c[j] * c[j];
+    for (int entry = 1 + D; entry < jets; ++entry) {
+      T part = T(0);
+      for (int j = 0; j < rank_; ++j) part += c[j] * jets_[j][entry];
+      for (int j = 0; j < rank_; ++j) jets_[j][entry] -= part / size2 * c[j];
+    }
+  }
+
+  // Leaves of the derivatives in a jet what lies in the resolved directions: Q g, Q H Q.
+  void project(Jet& jet) const {
+    std::array<T, D> slope;
+    std::array<std::array<T, D>, D> second, half;
+    int entry = 1 + D;
+    for (int a = 0; a < D; ++a) {
+      slope[a] = jet[1 + a];
+      for (int b = a; b < D; ++b, ++entry)
+        second[a][b] = second[b][a] = a == b ? T(T(2) * jet[entry]) : jet[entry];
+    }
+    slope = resolution_.project(slope);
+    for (int a = 0; a < D; ++a) half[a] = resolution_.project(second[a]);
+    entry = 1 + D;
+    for (int a = 0; a < D; ++a) {
+      jet[1 + a] = slope[a];
+      std::array<T, D> column;
+      for (int b = 0; b < D; ++b) column[b] = half[b][a];
+      column = resolution_.project(column);
+      for (int b = a; b < D; ++b, ++entry) jet[entry] = a == b ? T(column[b] / T(2)) : column[b];
+    }
+  }
+
   // body(first, integral_constant<int, size>) for chunks of up to 8 of `count` columns.
   template <class Body>
   static void in_chunks(int count, Body&& body) {
@@ -160,6 +260,9 @@ class OrthonormalFit {
   std::vector<Jet> jets_;
   std::vector<T> root_, inverse_root_;  // sqrt(w_p), and 1 / sqrt(w_p) or 0
   std::vector<T> lambda_;
+  bool partial_ = false;  // the gradient is not resolved in all directions
+  detail::GradientResolution<T, D> resolution_;
+  std::vector<T> directions_;
 };
 
 }  // namespace recon

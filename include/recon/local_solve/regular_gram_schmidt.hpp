@@ -4,7 +4,8 @@
 // The terms of the basis, times sqrt(w_p), become orthonormal columns u_j, graded by degree, the
 // constant first. This is the fast half of gram_schmidt.hpp, which also says what happens to the
 // rest: a target is regular where every term keeps a clear independent part (Thresholds::clear2 of
-// its square), and the whole fit amplifies data errors by no more than the leverage limit.
+// its square), and the whole fit amplifies data errors by no more than the leverage limit, by the
+// bound of FitReport::amplification.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane. Lanes that are not regular go
 // through the same arithmetic with harmless numbers; what they leave is to be ignored.
@@ -29,13 +30,15 @@ class RegularGramSchmidt {
 
   explicit RegularGramSchmidt(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
 
-  // Orthonormalises the basis on the cloud; false where that needs a closer look.
+  // Orthonormalises the basis on the cloud; false where that needs a closer look. What the gradient
+  // is worth is a question of its own: gradient_resolved().
   Mask fit(const LocalCloud<T, D>& cloud) {
     using std::sqrt;
     const int n = cloud.size;
     fit_.start(cloud, B::size);
     weight_sum_ = detail::sum_of<T>(n, [&](int p) RECON_INLINE_LAMBDA { return cloud.w[p]; });
     smallest_pivot_ = T(1);
+    independent_ = Mask(false);
     Mask regular = weight_sum_ > T(0);
     if (n < B::size) return Mask(false);
 
@@ -65,10 +68,24 @@ class RegularGramSchmidt {
       for (T& coefficient : jet) coefficient *= scale;
       fit_.keep();
     }
+    independent_ = regular;
     amplification_ = sqrt(select(regular, weight_sum_ * fit_.christoffel(), T(0)));
+    T total = T(0), largest = T(0);
+    for (const T& slope : fit_.slopes2()) {
+      total += slope;
+      largest = larger(slope, largest);
+    }
+    gradient_amplification_ = sqrt(select(regular, weight_sum_ * largest, T(0)));
+    gradient_resolved_ =
+        weight_sum_ * total <= T(detail::gradient_limit2<ScalarOf<T>>(tolerances_, B::degree));
     return regular && amplification_ <= T(static_cast<ScalarOf<T>>(tolerances_.leverage));
   }
 
+  // All terms are clearly independent: at most the amplification is in doubt.
+  const Mask& independent() const { return independent_; }
+  // Where fit() is true: all directions have a slope that is clearly resolved.
+  const Mask& gradient_resolved() const { return gradient_resolved_; }
+  const T& gradient_amplification() const { return gradient_amplification_; }
   // FitReport::smallest_pivot and FitReport::amplification; the sum of the weights.
   const T& smallest_pivot() const { return smallest_pivot_; }
   const T& amplification() const { return amplification_; }
@@ -88,7 +105,9 @@ class RegularGramSchmidt {
 
   FitTolerances tolerances_;
   OrthonormalFit<T, D> fit_;
-  T weight_sum_ = T(0), smallest_pivot_ = T(1), amplification_ = T(0);
+  T weight_sum_ = T(0), smallest_pivot_ = T(1), amplification_ = T(0),
+    gradient_amplification_ = T(0);
+  Mask independent_ = Mask(false), gradient_resolved_ = Mask(false);
 };
 
 }  // namespace recon

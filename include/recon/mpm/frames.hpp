@@ -2,13 +2,17 @@
 //
 // A frame is NAME_particles_0007.vtp, NAME_nodes_0007.vti and, for methods that fit stress at cell
 // centres, NAME_cells_0007.vti. NAME_particles.pvd and so on list the frames with their times.
-//   particles   velocity, displacement, stress (upper triangle row by row: xx, xy, ...), density,
-//               det_F, body
+//   particles   what is asked for of particle_fields()
 //   nodes       mass, velocity, force; degree, rank, neighbours of the fitted velocity
-//   cells       density, stress, fill, degree and rank of the fit
+//   cells       density, stress_xx, stress_xy, ..., fill, degree and rank of the fit
+// Vectors have three components and tensors nine, row by row, whatever the dimension: directions
+// without motion have zero velocity and displacement, F is 1 along them, and the stress there is
+// the one that holds them (Material's out_of_plane). With the full stress sigma, pressure is
+// -tr(sigma) / 3 and von_mises sqrt(3/2 s : s) with s = sigma + pressure I.
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,10 +21,21 @@
 
 namespace recon::mpm {
 
+// velocity, displacement, stress, von_mises, pressure, F, det_F, density, mass, volume, body, id,
+// which are written where nothing is said, and velocity_gradient, energy.
+std::span<const std::string> particle_fields();
+std::vector<std::string> default_particle_fields();
+
+struct FrameOptions {
+  std::vector<std::string> fields = default_particle_fields();  // of the particles
+  std::size_t first_listed = 0;  // frames before it are in another folder, and not in the lists
+};
+
 // Writes what map() left as the frame after those at `times`, to files in an existing folder, and
-// adds its time.
+// adds its time. InvalidArgument for a field that does not exist or is asked for twice.
 template <int D>
 void write_frame(const std::filesystem::path& folder, const std::string& name,
-                 const Simulation<D>& simulation, std::vector<double>& times);
+                 const Simulation<D>& simulation, std::vector<double>& times,
+                 const FrameOptions& options = {});
 
 }  // namespace recon::mpm

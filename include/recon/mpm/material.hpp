@@ -22,6 +22,12 @@ struct Lame {
     require(poisson > -1 && poisson < 0.5, "poisson", poisson, "must lie between -1 and 0.5");
     return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
   }
+  // Throws InvalidArgument unless mu > 0 and 3 lambda + 2 mu > 0, both finite, as of from().
+  void validate() const {
+    require(mu > 0 && std::isfinite(mu), "mu", mu, "must be positive and finite");
+    require(3 * lambda + 2 * mu > 0 && std::isfinite(lambda), "lambda", lambda,
+            "must be finite and above -2 mu / 3");
+  }
   double p_wave_speed(double density) const { return std::sqrt((lambda + 2 * mu) / density); }
   // sqrt(E / density), the speed in a thin bar.
   double bar_wave_speed(double density) const {
@@ -31,12 +37,14 @@ struct Lame {
 
 // update() turns Cauchy stress (force / area) and strain energy per reference volume into those
 // after a step dt with the velocity gradient L (1 / time) that led to the deformation gradient F.
-// Lame's constants are for the speed of waves.
+// out_of_plane() is the stress along the directions that do not strain, of fewer than three: F and
+// the stress in the others determine it. Lame's constants are for the speed of waves.
 template <class M>
 concept MaterialModel = std::derived_from<M, Lame> &&
     requires(const M& material, const Matrix<2>& F, const Matrix<2>& L, double dt,
              Matrix<2>& stress, double& energy) {
   { material.template update<2>(F, L, dt, stress, energy) } -> std::same_as<void>;
+  { material.template out_of_plane<2>(F, L) } -> std::convertible_to<double>;
 };
 
 // sigma = (lambda ln J I + mu (F F^T - I)) / J,
@@ -49,6 +57,11 @@ struct NeoHookean : Lame {
     const Matrix<D> b = F * F.transpose();
     stress = (mu * (b - Matrix<D>::Identity()) + lambda * log_J * Matrix<D>::Identity()) / J;
     energy = lambda * log_J * log_J / 2 + mu * ((b.trace() - D) / 2 - log_J);
+  }
+  template <int D>
+  double out_of_plane(const Matrix<D>& F, const Matrix<D>&) const {
+    const double J = F.determinant();
+    return lambda * std::log(J) / J;
   }
 };
 
@@ -63,6 +76,12 @@ struct LinearElastic : Lame {
     stress +=
         dt * (lambda * d.trace() * Matrix<D>::Identity() + 2 * mu * d + w * before - before * w);
     energy += dt * F.determinant() * ((before + stress) / 2).cwiseProduct(d).sum();
+  }
+  // The integral of lambda tr(d), to which the rotation adds nothing: that of tr(sigma) is
+  // (D lambda + 2 mu) tr(d).
+  template <int D>
+  double out_of_plane(const Matrix<D>&, const Matrix<D>& stress) const {
+    return lambda / (D * lambda + 2 * mu) * stress.trace();
   }
 };
 

@@ -20,6 +20,7 @@
 #include <variant>
 
 #include "recon/io/error.hpp"
+#include "recon/mpm/frames.hpp"
 #include "recon/mpm/problem.hpp"
 
 namespace recon::mpm {
@@ -28,6 +29,7 @@ namespace recon::mpm {
 struct OutputOptions {
   int frames = 50;  // pictures of the state, evenly in time; 0: none
   bool ledger = true;
+  std::vector<std::string> fields = default_particle_fields();  // of the frames, frames.hpp
 };
 
 template <int D>

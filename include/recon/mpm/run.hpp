@@ -4,27 +4,48 @@
 //   ledger.csv        an account of every step (ledger.hpp)
 //   NAME_*.vtp, ...   frames (frames.hpp)
 //   checkpoint.h5     the state at the last frame (checkpoint.hpp), from which a run goes on
-// A run that fails leaves all of it as it was at the last frame, and the ledger up to the step.
+// A run that fails leaves all of it as it was at the last frame, and the ledger up to the step; one
+// that is stopped leaves a checkpoint of the step at which it was.
 #pragma once
 
 #include <functional>
 #include <optional>
 
 #include "recon/mpm/checkpoint.hpp"
+#include "recon/mpm/forecast.hpp"
 #include "recon/mpm/read_problem.hpp"
 
 namespace recon::mpm {
+
+// The folder holds another run's ledger or checkpoint.
+class OtherRun : public FileError {
+ public:
+  using FileError::FileError;
+};
+
+// The checkpoint to go on from cannot be gone on from.
+class NoRestart : public FileError {
+ public:
+  explicit NoRestart(const FileError& why) : FileError(why) {}
+};
 
 struct RunOptions {
   std::filesystem::path folder{};   // is made
   std::string name = "run";         // of the frames
   std::filesystem::path restart{};  // a checkpoint to go on from; empty: from the start
   bool overwrite = false;           // of another run's files
+  // Told before the first step, after which nothing stands in its way.
+  std::function<void(const Forecast& forecast)> begins{};
   // Told after every step.
   std::function<void(double time, std::int64_t steps, const Step& step)> progress{};
+  // Told after every checkpoint.
+  std::function<void(double time, std::int64_t steps)> saved{};
+  // Asked before every step: true ends the run there, with a checkpoint.
+  std::function<bool()> stop{};
 };
 
 struct RunResult {
+  Forecast forecast;  // what was expected before
   std::int64_t steps = 0;
   double time = 0;
   Ledger first, last;
@@ -34,10 +55,15 @@ struct RunResult {
   std::size_t unfitted = 0;            // most nodes in a step without a fit of their own
   std::optional<NegativeMass> negative_mass, sign_change;  // see Simulation
   std::size_t frames = 0;
+  bool stopped = false;  // as RunOptions::stop asked, before the end
 };
 
-// Goes on until the problem's end. Throws FileError for a folder that holds another run's
-// ledger, unless it is to be overwritten or gone on with; Failure where the run cannot go on.
+// Goes on until the problem's end. A restart from a checkpoint in the folder goes on with the run
+// there: its ledger is kept up to the checkpoint, and its frames stay in the lists. Any other
+// run's files are overwritten only where that is asked for, else OtherRun is thrown. NoRestart
+// for a checkpoint that read_checkpoint() refuses or that is later than the end, FileError for files
+// that cannot be written, InvalidArgument for a problem without an end, or one that takes more than
+// there is (forecast.hpp), Failure where the run cannot go on.
 template <int D>
 RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
 

@@ -26,9 +26,12 @@ namespace detail {
 template <class Scalar>
 void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
   const auto positive = [](double length) {  // in the scalar type of the points
-    return static_cast<Scalar>(length) > 0 && std::isfinite(static_cast<Scalar>(length));
+    const auto rounded = static_cast<Scalar>(length);
+    return rounded > 0 && std::isfinite(rounded) &&
+           rounded * rounded >= std::numeric_limits<Scalar>::min();
   };
-  const char* const length_rule = "must be positive and finite";
+  const char* const length_rule =
+      "must be positive and finite, and not so small that its square underflows";
   if (const auto* radius = std::get_if<Radius>(&rule)) {
     require(positive(radius->radius), "radius", radius->radius, length_rule);
   } else if (const auto* radii = std::get_if<Radii>(&rule)) {
@@ -65,6 +68,12 @@ void require_valid_question(const PointCloud<Scalar>& particles, const PointClou
           targets.dimension(), "must be the dimension of the particles");
   require_valid_rule<Scalar>(rule, targets.size());
   domain.validate(particles.dimension());
+  // Where all squared distances underflow, none is the nearest.
+  Scalar extent = 0;
+  for (int d = 0; d < particles.dimension() && particles.size() > 0; ++d)
+    extent = std::max(extent, particles.box().extent(d));
+  require(extent == 0 || extent * extent >= std::numeric_limits<Scalar>::min(),
+          "extent of the particles", extent, "must not be so small that its square underflows");
   require_in_domain(particles.box(), domain, "particle coordinate");
   require_in_domain(targets.box(), domain, "target coordinate");
 }
@@ -85,7 +94,7 @@ Scalar mean_spacing(const PointCloud<Scalar>& particles, const PeriodicDomain<Sc
   if (axes == 0) return 1;
   return std::max(static_cast<Scalar>(std::exp(
                       (log_volume - std::log(static_cast<double>(particles.size()))) / axes)),
-                  std::numeric_limits<Scalar>::min());
+                  2 * std::sqrt(std::numeric_limits<Scalar>::min()));
 }
 
 // NeighbourList::support_factor of what the rule finds.
@@ -144,7 +153,8 @@ class TargetNeighbours {
     k_nearest(rule.k, largest);
     if (entries_.empty()) return spacing_;
     const Scalar farthest = cube_ ? farthest_along_axis() : std::sqrt(entries_.back().distance2);
-    if (farthest == 0) return next_distance();
+    // Particles that are closer than that count as being at one place.
+    if (!(farthest * farthest >= std::numeric_limits<Scalar>::min())) return next_distance();
     const Scalar rho = static_cast<Scalar>(rule.factor * static_cast<double>(farthest));
     require(std::isfinite(rho), "factor", rule.factor,
             "must give supports that can be represented");
@@ -283,7 +293,7 @@ class TargetNeighbours {
     for (std::size_t ask = 1;; ask = std::min(2 * ask, particles_.size())) {
       search_.nearest(x_, ask, found_);
       for (const auto& near : found_)
-        if (near.distance2 > 0) return std::sqrt(near.distance2);
+        if (near.distance2 >= std::numeric_limits<Scalar>::min()) return std::sqrt(near.distance2);
       if (ask >= particles_.size()) return spacing_;
     }
   }

@@ -66,14 +66,14 @@ class BasicReconstruction {
   // The gradient of the reconstructed field (1/length), D blocks. exact: of x -> sum_p phi_p(x)
   // u_p, through weights, supports and solve: the support of the k nearest moves with them, others
   // stand still, and of a list of your own its support_factor says which. diffuse: of the local
-  // polynomial, cheaper and of the same order for degree >= 1; at degree 0 it is zero. In a
-  // direction that the particles do not resolve (report()[t].kept[1] < dimension) the local
-  // polynomial has slope 0, and the exact gradient is that of the reduced fit. Computed at each
-  // call: keep the result.
+  // polynomial, cheaper and of the same order for degree >= 1; at degree 0 it is zero. report()[t]
+  // says in how many directions it is resolved (gradient_rank) and how much it amplifies errors of
+  // the data; in the other directions, across lines and thin sheets, both kinds are zero, for
+  // degree >= 1. Computed at each call: keep the result.
   CsrOperator<Scalar> gradient(Derivative kind = Derivative::exact) const;
 
   // The second derivatives of the local polynomial (1/length^2), D (D + 1) / 2 blocks; zero below
-  // degree 2.
+  // degree 2, and in directions in which the gradient is not resolved.
   CsrOperator<Scalar> hessian() const;
 
   const FitReports& report() const { return reports_; }

@@ -8,9 +8,9 @@
 //   // sum over i of shape.value[i] * u[shape.neighbours[i]] is the fit at x
 //
 // Concepts: RadialWeight (weights/weight.hpp), Basis (basis/monomials.hpp), NeighbourSearch
-// (neighbourhood/search.hpp); the scalar T is any type with arithmetic, comparison and std::sqrt,
-// for example long double. A minimal model of each stands in the documentation and compiles in the
-// tests.
+// (neighbourhood/search.hpp); the scalar T is any type with arithmetic, comparison and a square
+// root, for example long double. docs/concepts.md has the list, and a minimal model of each, which
+// compiles in the tests.
 //
 // Formulas in local_solve/local_cloud.hpp. An evaluator keeps its arrays: one per thread; with
 // given neighbours nothing is allocated once warm.
@@ -64,11 +64,12 @@ class ShapeEvaluator {
   requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
   const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
                                 Position&& position, Derivative kind = default_gradient) {
-    using std::isfinite;
     require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
             "must be diffuse for a basis that is not translation_invariant");
-    require(rho > T(0) && isfinite(rho), "rho", rho, "must be positive and finite");
-    for (const T c : x) require(isfinite(c), "coordinate of x", c, "must be finite");
+    require(rho > T(0) && is_finite(rho), "rho", rho, "must be positive and finite");
+    require(rho * rho >= std::numeric_limits<T>::min(), "rho", rho,
+            "must not be so small that its square underflows");
+    for (const T& c : x) require(is_finite(c), "coordinate of x", c, "must be finite");
     const int count = static_cast<int>(neighbours.size());
     stencil_.start(x, rho, count);
     positions_.clear();

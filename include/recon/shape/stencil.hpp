@@ -63,7 +63,8 @@ class Stencil {
   // weights.evaluate(q, w, slope, n) has arrays of T. support_factor as in
   // NeighbourList.
   template <class Weights>
-  void weigh(const Weights& weights, WeightForm form, bool slopes, Scalar support_factor = 0) {
+  void weigh(const Weights& weights, WeightForm form, bool slopes,
+             Scalar support_factor = Scalar(0)) {
     if constexpr (lanes == 1) {
       for (int d = 0; d < D; ++d)
         for (T& offset : xi_[d]) offset /= rho_;
@@ -174,7 +175,7 @@ class Stencil {
   std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) const {
     using std::abs;
     std::array<T, D> gradient{};
-    if (!(support_factor > 0)) return gradient;
+    if (!(support_factor > Scalar(0))) return gradient;
     const T factor = T(support_factor);
     T distance = T(0);
     for (int p = 0; p < count_; ++p)
@@ -202,8 +203,7 @@ class Stencil {
     for (int p = 0; p < count_; ++p) largest = larger(w_[p], largest);
     auto usable = largest >= T(std::numeric_limits<Scalar>::min());
     if constexpr (lanes == 1) {
-      using std::isfinite;
-      require(isfinite(largest), "largest product of weights at a target", largest,
+      require(is_finite(largest), "largest product of weights at a target", largest,
               "must be finite");
     } else {
       usable = usable && largest <= T(std::numeric_limits<Scalar>::max());

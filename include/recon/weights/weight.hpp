@@ -72,14 +72,12 @@ constexpr double binomial(int n, int k) {
 // What evaluates a weight, one q after the other, has these checks of what it returned.
 template <class Scalar>
 void require_weight(const Scalar& q, const Scalar& w) {
-  using std::isfinite;
-  if (!(w >= Scalar(0)) || !isfinite(w)) [[unlikely]]
+  if (!(w >= Scalar(0)) || !is_finite(w)) [[unlikely]]
     throw_invalid("weight w(q) at q = " + to_text(q), w, "must be finite and not negative");
 }
 template <class Scalar>
 void require_slope(const Scalar& q, const Scalar& slope) {
-  using std::isfinite;
-  if (!isfinite(slope)) [[unlikely]]
+  if (!is_finite(slope)) [[unlikely]]
     throw_invalid("derivative w'(q) of the weight at q = " + to_text(q), slope, "must be finite");
 }
 

@@ -1,8 +1,11 @@
 // recon-mpm: problem files in, runs and studies of the material point method out.
+#include <signal.h>
+
 #include "commands.hpp"
 
 int main(int argc, char** argv) {
   using namespace recon::program;
+  signal(SIGXFSZ, SIG_IGN);  // a limit to the size of files is an error like a full disk
   return run_program(
       {.name = "recon-mpm", .file_hint = "run"},
       "recon-mpm runs the material point method in its variants, whose velocity and stress maps "

@@ -1,6 +1,9 @@
 // recon-mpm run PROBLEM: one run, with frames, a ledger and checkpoints.
 #include "recon/mpm/run.hpp"
 
+#include <signal.h>
+
+#include <array>
 #include <cstdio>
 #include <memory>
 
@@ -94,6 +97,80 @@ void draw_energies(const fs::path& ledger, const fs::path& picture, const std::s
   draw(picture, plot);
 }
 
+// While it lives, SIGINT (Ctrl-C), SIGTERM and SIGHUP ask the run to stop; a second one ends the
+// program at once. Signals that were ignored before (nohup) stay so.
+class StopSignals {
+ public:
+  StopSignals() {
+    seen_ = 0;
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+      sigaction(signals[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler == SIG_IGN) continue;
+      struct sigaction action {};
+      action.sa_handler = [](int signal) {
+        seen_ = signal;
+        for (const int each : signals) ::signal(each, SIG_DFL);
+      };
+      sigaction(signals[i], &action, nullptr);
+    }
+  }
+  ~StopSignals() {
+    for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
+  }
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+  static int seen() { return seen_; }  // the signal, or 0
+
+ private:
+  static constexpr std::array<int, 3> signals{SIGINT, SIGTERM, SIGHUP};
+  static inline volatile sig_atomic_t seen_ = 0;
+  std::array<struct sigaction, 3> before_{};
+};
+
+// As a shell reads it as one word.
+std::string shell_word(const std::string& text) {
+  const bool plain = text.find_first_not_of(
+                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                         "0123456789_-+=./,:@%") == std::string::npos;
+  if (plain && !text.empty()) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
+// What to add to the command to go on from a checkpoint.
+std::string go_on(const Options& options, const fs::path& checkpoint) {
+  return "the same command with --restart " + shell_word(checkpoint.string()) +
+         (options.restart.empty() ? "" : " in the place of the one it has");
+}
+
+// Latest checkpoint of a run: none yet, or time and step.
+struct Saved {
+  bool any = false;
+  double time = 0;
+  std::int64_t steps = 0;
+};
+
+// What may help after a failure, as far as it can be done.
+std::string advice(const Options& options, const mpm::TimeOptions& time, double courant,
+                   const fs::path& checkpoint, const Saved& saved) {
+  std::string text;
+  if (saved.any) {
+    const bool fixed = time.rule == mpm::StepRule::fixed;
+    text = checkpoint.string() + " holds its state at time " + number(saved.time) + ", step " +
+           std::to_string(saved.steps) +
+           ". To try from there with steps half as long: " + go_on(options, checkpoint) +
+           " and --set " +
+           (fixed ? "time.step=" + number(time.step / 2, 17)
+                  : "time.courant=" + number(courant / 2, 17)) +
+           ".\n";
+  }
+  return text +
+         "Another method, grid or boundary needs a run from the start, with --overwrite or " +
+         "another --out.";
+}
+
 template <int D>
 void run(const Options& options, const mpm::ProblemFile<D>& file) {
   const fs::path problem_path = options.problem.file;
@@ -111,19 +188,52 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
     if (now > shown) progress.advance(now - shown);
     shown = std::max(shown, now);
   };
+  const fs::path checkpoint = run_options.folder / "checkpoint.h5";
+  Saved saved;
+  run_options.saved = [&](double time, std::int64_t steps) { saved = {true, time, steps}; };
+  run_options.stop = [] { return StopSignals::seen() != 0; };
+  run_options.begins = [](const mpm::Forecast& forecast) {
+    print_line("expected", counted(forecast.particles, "particle") + ", " +
+                               counted(forecast.nodes, "node") + ", about " +
+                               number(forecast.steps) + " steps of " + number(forecast.step.dt) +
+                               ", " + number(forecast.memory / 1e6, 3) + " MB");
+    std::fflush(stdout);
+    for (const std::string& warning : forecast.warnings)
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  };
   mpm::RunResult result;
+  const StopSignals signals;
   try {
     result = mpm::run(file, run_options);
+  } catch (const InvalidArgument& refusal) {
+    throw ProgramError(wrong_input, "the run cannot begin: " + std::string(refusal.what()) +
+                                        "; [limits] memory and steps in the problem file say what "
+                                        "it may take");
   } catch (const mpm::Failure& failure) {
-    throw ProgramError(internal_error,
-                       "the run stopped: " + std::string(failure.what()) + "\n" +
-                           (run_options.folder / "checkpoint.h5").string() +
-                           " holds the latest frame; a smaller time.courant or another method may "
-                           "help, with --restart");
+    throw ProgramError(
+        internal_error,
+        "the run stopped: " + std::string(failure.what()) + "\n" +
+            advice(options, file.problem.time,
+                   file.problem.time.courant.value_or(file.problem.method.default_courant(D)),
+                   checkpoint, saved));
+  } catch (const mpm::OtherRun& error) {
+    throw ProgramError(
+        no_output, error.path().string() + ": is of another run" +
+                       (fs::exists(checkpoint)
+                            ? "; --restart " + shell_word(checkpoint.string()) + " goes on with it,"
+                            : ";") +
+                       " --overwrite replaces it, --out chooses another folder");
+  } catch (const mpm::NoRestart& error) {
+    throw ProgramError(wrong_input, error.what());
   } catch (const FileError& error) {
     throw ProgramError(no_output, error.what());
   }
   print_summary(file.problem, result, progress.seconds(), run_options.folder.string());
+  if (result.stopped)
+    throw ProgramError(static_cast<ExitCode>(128 + signals.seen()),
+                       "stopped at time " + number(saved.time) + ", step " +
+                           std::to_string(saved.steps) +
+                           ". To go on: " + go_on(options, checkpoint));
   if (!file.output.ledger) return;
   const fs::path picture = run_options.folder / "energy.png";
   try {

@@ -1,0 +1,64 @@
+// HDF5 files behind a seal: 512 bytes of text before them with a length and a checksum of all that
+// follows, so that a damaged file is found out before the HDF5 library sees it.
+//
+//   recon-mpm checkpoint, format 2
+//   bytes 9136
+//   checksum 0123456789abcdef
+//
+// followed by zeros. The checksum is that of the bytes after the seal as little-endian words of 64
+// bits, the last one filled up with zeros: h = (h ^ word) 1099511628211, then h ^= h >> 32, from h =
+// 14695981039346656037. Each step is one to one, so that no change within one word goes unseen.
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace recon::mpm {
+
+constexpr std::uint64_t seal_size = 512;  // a size that HDF5 allows for a user block
+
+// An HDF5 handle that closes itself.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+// While it lives the HDF5 library does not print, and is ours alone: it is not for several threads.
+class QuietHdf5 {
+ public:
+  QuietHdf5();
+  ~QuietHdf5();
+  QuietHdf5(const QuietHdf5&) = delete;
+  QuietHdf5& operator=(const QuietHdf5&) = delete;
+
+ private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
+// An empty file that HDF5 writes to an open descriptor, behind the place of the seal. HDF5 1.10
+// crashes after a write that failed, so that none does: `error` keeps the first errno, and the
+// file must be thrown away then.
+hid_t create_hdf5(int descriptor, int& error);
+// The file behind the seal, to be read.
+hid_t open_hdf5(int descriptor);
+
+// Writes the seal of what follows it. The first errno, or 0.
+int write_seal(int descriptor);
+// Throws FileError unless the file has a seal of this format that fits what follows.
+void check_seal(const std::filesystem::path& path, int descriptor);
+
+}  // namespace recon::mpm
