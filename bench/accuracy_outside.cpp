@@ -252,7 +252,8 @@ DenseErrors dense_errors(const std::string& place, int degree, std::size_t per_a
     options.tolerances.leverage = leverage;
     return reconstruct(recon::points_of(points), recon::points_of(targets), options);
   };
-  const recon::Nearest nearest{3 * static_cast<std::size_t>(recon::monomial_count(D, degree))};
+  const recon::Nearest nearest{
+      3 * static_cast<std::size_t>(recon::monomial_count(D, std::max(degree, 1)))};
   DenseErrors out;
   const auto fit = fit_with(nearest, 30);
   const Eigen::MatrixXd plain = fit.apply(recon::field_of(u));

@@ -19,14 +19,6 @@ constexpr std::array<std::array<const char*, 5>, max_dimension> coordinate_names
     {"z", "Z", "zu", "Points:2", "Points_2"},
 }};
 
-// The axis that a name tells, or `otherwise`.
-int axis_of(std::string_view name, int otherwise) {
-  for (int d = 0; d < max_dimension; ++d)
-    for (const char* known : coordinate_names[d])
-      if (name == known) return d;
-  return otherwise;
-}
-
 bool is_constant(const std::vector<double>& values) {
   return values.size() >= 2 && std::all_of(values.begin(), values.end(),
                                            [&](double value) { return value == values.front(); });
@@ -74,6 +66,13 @@ void require_dimension(int dimension) {
 }
 
 }  // namespace
+
+std::optional<int> axis_of_coordinate(std::string_view name) {
+  for (int d = 0; d < max_dimension; ++d)
+    for (const char* known : coordinate_names[d])
+      if (name == known) return d;
+  return {};
+}
 
 bool ParticleTable::Column::is_numbers() const {
   if (repeated) return false;
@@ -287,11 +286,13 @@ std::vector<std::string> ParticleTable::detected_coordinates() const {
   for (int d = 0; d < max_dimension; ++d)
     for (const char* name : coordinate_names[d])
       if (found[d].empty() && has(name)) found[d] = name;
-  if (found[0].empty() || (found[1].empty() && !found[2].empty())) {
-    const std::string axis = found[0].empty() ? "x" : "y";
+  // A coordinate that is there, but as text or twice, is not passed over.
+  for (int d = 0; d < max_dimension; ++d)
+    if (!found[d].empty()) raw_column(found[d]);
+  if (found[0].empty() && found[1].empty() && found[2].empty()) {
     std::string names;
     for (const std::string& name : names_) names += (names.empty() ? "" : ", ") + name;
-    detail::throw_invalid("coordinate column " + axis, "not found",
+    detail::throw_invalid("coordinate column x", "not found",
                           "columns x, y, z (or xu, yu, zu) are taken as coordinates unless others "
                           "are named; the columns are: " +
                               (names.empty() ? "none" : names));
@@ -302,22 +303,44 @@ std::vector<std::string> ParticleTable::detected_coordinates() const {
   return columns;
 }
 
+std::vector<std::string> ParticleTable::varying_coordinates() const {
+  if (!coordinates_.empty()) return coordinates_;
+  const std::vector<std::string> all = detected_coordinates();
+  std::vector<std::string> varying;
+  for (const std::string& name : all)
+    if (!is_constant(raw_column(name))) varying.push_back(name);
+  return varying.empty() ? all : varying;
+}
+
 int ParticleTable::dimension() const {
-  if (!coordinates_.empty()) return static_cast<int>(coordinates_.size());
-  const std::vector<std::string> columns = detected_coordinates();
-  const bool flat = columns.size() == 3 && is_constant(raw_column(columns[2]));
-  return static_cast<int>(columns.size()) - (flat ? 1 : 0);
+  return static_cast<int>(varying_coordinates().size());
+}
+
+std::vector<std::string> ParticleTable::all_coordinates() const {
+  return coordinates_.empty() ? detected_coordinates() : coordinates_;
 }
 
 std::vector<std::string> ParticleTable::coordinates(int dimension) const {
   require_dimension(dimension);
-  std::vector<std::string> columns = coordinates_.empty() ? detected_coordinates() : coordinates_;
-  const std::size_t wanted =
-      static_cast<std::size_t>(dimension == 0 ? this->dimension() : dimension);
+  std::vector<std::string> columns = varying_coordinates();
+  const std::size_t wanted = dimension == 0 ? columns.size() : static_cast<std::size_t>(dimension);
+  if (columns.size() != wanted) columns = all_coordinates();
   require(wanted <= columns.size(), "dimension", wanted,
           "must not exceed the number of coordinate columns");
   columns.resize(wanted);
   return columns;
+}
+
+std::vector<int> ParticleTable::axes(int dimension) const {
+  std::vector<int> axes, places;
+  bool distinct = true;
+  for (const std::string& name : coordinates(dimension)) {
+    places.push_back(static_cast<int>(places.size()));
+    const int axis = axis_of_coordinate(name).value_or(places.back());
+    distinct = distinct && std::find(axes.begin(), axes.end(), axis) == axes.end();
+    axes.push_back(axis);
+  }
+  return distinct ? axes : places;
 }
 
 PointsView<double> ParticleTable::positions(int dimension) const {
@@ -391,13 +414,10 @@ std::string ParticleTable::why_not_periodic(int axis, int dimension) const {
 
 // Axes of the source's box that the coordinates lie along.
 std::vector<int> ParticleTable::box_axes(int dimension) const {
-  std::vector<int> axes;
-  for (const std::string& name : coordinates(dimension)) {
-    const int axis = axis_of(name, static_cast<int>(axes.size()));
+  const std::vector<int> axes = this->axes(dimension);
+  for (const int axis : axes)
     require(axis < box_->dimension, "axis of the simulation box", axis,
             "must be one that the box has");
-    axes.push_back(axis);
-  }
   return axes;
 }
 

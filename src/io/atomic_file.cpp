@@ -60,13 +60,11 @@ AtomicFile::AtomicFile(const fs::path& target, bool named) : asked_(target), tar
 
   if (!named) {
     descriptor_ = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-    temporary_ = "/proc/self/fd/" + std::to_string(descriptor_);
-    if (descriptor_ >= 0 && !fs::exists(temporary_, ignored)) {  // no /proc, so no way to a name
+    if (descriptor_ >= 0 && !fs::exists(open_path(), ignored)) {  // no /proc, so no way to a name
       close(descriptor_);
       descriptor_ = -1;
     }
   }
-  named_ = descriptor_ < 0;
   while (descriptor_ < 0) {
     temporary_ = directory / unique_name();
     descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -84,7 +82,7 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::discard() noexcept {
   if (descriptor_ < 0) return;
   close(descriptor_);
-  if (named_) unlink(temporary_.c_str());
+  if (!temporary_.empty()) unlink(temporary_.c_str());
   descriptor_ = -1;
 }
 
@@ -109,27 +107,39 @@ void AtomicFile::flush() {
   buffer_.clear();
 }
 
-bool AtomicFile::put_in_place() noexcept {
-  if (named_) return rename(temporary_.c_str(), target_.c_str()) == 0;
-  const auto link_as = [&](const fs::path& name) {
-    return linkat(AT_FDCWD, temporary_.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
-  };
-  if (link_as(target_)) return true;
-  if (errno != EEXIST) return false;
-  // A link replaces nothing, a rename does: the file has another name for a moment.
-  const SignalsWait wait;
-  fs::path passing;
+fs::path AtomicFile::open_path() const {
+  return temporary_.empty() ? fs::path("/proc/self/fd/" + std::to_string(descriptor_)) : temporary_;
+}
+
+bool AtomicFile::link_as(const fs::path& name) const noexcept {
+  const std::string here = "/proc/self/fd/" + std::to_string(descriptor_);
+  return linkat(AT_FDCWD, here.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+}
+
+bool AtomicFile::give_name() noexcept {
   do {
-    passing = target_.parent_path() / unique_name();
-    if (link_as(passing)) {
-      if (rename(passing.c_str(), target_.c_str()) == 0) return true;
-      const int error = errno;
-      unlink(passing.c_str());
-      errno = error;
-      return false;
-    }
+    const fs::path name = target_.parent_path() / unique_name();
+    if (!link_as(name)) continue;
+    temporary_ = name;
+    return true;
   } while (errno == EEXIST);
   return false;
+}
+
+const fs::path& AtomicFile::temporary() {
+  if (temporary_.empty() && !give_name()) fail("cannot create a file beside it", errno);
+  return temporary_;
+}
+
+bool AtomicFile::put_in_place() noexcept {
+  if (temporary_.empty()) {
+    if (link_as(target_)) return true;
+    if (errno != EEXIST) return false;
+  }
+  // A link replaces nothing, a rename does: the file has another name for a moment.
+  const SignalsWait wait;
+  if (temporary_.empty() && !give_name()) return false;
+  return rename(temporary_.c_str(), target_.c_str()) == 0;
 }
 
 void AtomicFile::commit() {

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -86,13 +87,23 @@ bool is_complete(const fs::path& file, bool svg) {
 
 namespace detail {
 
+// In double quotes, with octal numbers for the signs that gnuplot expands there, and for digits
+// that would be taken as part of such a number. (In single quotes two apostrophes in a row fail.)
 std::string gnuplot_string(const std::string& text) {
-  std::string quoted(1, '\'');
+  std::string quoted(1, '"');
+  bool after_number = false;
   for (const char c : text) {
-    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    quoted.append(c == '\'' ? 2 : 1, control ? ' ' : c);
+    const unsigned char byte = static_cast<unsigned char>(c);
+    after_number = std::string_view("\"\\`@").find(c) != std::string_view::npos ||
+                   (after_number && std::isdigit(byte) != 0);
+    if (after_number) {
+      quoted += '\\';
+      for (const int shift : {6, 3, 0}) quoted += static_cast<char>('0' + ((byte >> shift) & 7));
+    } else {
+      quoted += byte < 0x20 || byte == 0x7f ? ' ' : c;
+    }
   }
-  quoted += '\'';
+  quoted += '"';
   return quoted;
 }
 
@@ -120,7 +131,7 @@ void run_gnuplot(const fs::path& path, int width, int height, double scale,
       spawn_gnuplot(path, fileno(input.get()), picture.descriptor(), fileno(messages.get()));
   const bool succeeded = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (!succeeded) throw FileError(path, 0, "gnuplot failed; it said: " + contents(messages.get()));
-  if (!is_complete(picture.temporary(), svg))
+  if (!is_complete(picture.open_path(), svg))
     throw FileError(path, 0,
                     "gnuplot wrote an incomplete picture (is the disk full?); it said: " +
                         contents(messages.get()));

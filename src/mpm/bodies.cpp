@@ -1,5 +1,8 @@
 #include "mpm/bodies.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -7,25 +10,59 @@
 namespace recon::mpm {
 
 template <int D>
-void fill_cells(const Grid<D>& grid, const Inside<D>& inside, int n, double jitter, double density,
-                int body, Particles<D>& out) {
+void require_in_grid(const Grid<D>& grid, const Vector<D>& lower, const Vector<D>& upper) {
+  if (grid.contains(lower) && grid.contains(upper)) return;
+  Vector<D> end;
+  for (int d = 0; d < D; ++d) end[d] = grid.upper(d);
+  const auto from_to = [](const Vector<D>& from, const Vector<D>& to) {
+    const auto corner = [](const Vector<D>& x) {
+      std::string text = D == 1 ? "" : "(";
+      for (int d = 0; d < D; ++d) {
+        char value[32];
+        std::snprintf(value, sizeof value, "%s%.9g", d ? ", " : "", x[d]);
+        text += value;
+      }
+      return text + (D == 1 ? "" : ")");
+    };
+    return corner(from) + " to " + corner(to);
+  };
+  recon::detail::throw_invalid(
+      "body from", from_to(lower, upper),
+      "must lie in the grid, which goes from " + from_to(grid.lower(), end) + ": no body is cut");
+}
+
+template <int D>
+void fill_cells(const Grid<D>& grid, const Region<D>& region, int n, double jitter, double density,
+                int body, double most, Particles<D>& out) {
+  require_in_grid(grid, region.lower, region.upper);
   const double edge = grid.h() / n;
-  std::size_t count = 1;
-  for (int d = 0; d < D; ++d)
-    count *= static_cast<std::size_t>(grid.cells(d)) * static_cast<std::size_t>(n);
+  // The places of an axis are first, ..., first + along - 1, counted from the border of the grid.
+  std::array<std::size_t, D> first, along;
+  double places = 1;
+  for (int d = 0; d < D; ++d) {
+    const double last = static_cast<double>(grid.cells(d)) * n - 1;
+    const auto place = [&](double x, double margin) {
+      return static_cast<std::size_t>(
+          std::clamp(std::floor((x - grid.lower()[d]) / edge) + margin, 0.0, last));
+    };
+    first[d] = place(region.lower[d], -1);
+    along[d] = place(region.upper[d], 1) - first[d] + 1;
+    places *= static_cast<double>(along[d]);
+  }
+  require(places <= most, "particles of a body", places,
+          "are up to so many, which is more than there is memory for");
   std::mt19937 random(1);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0, count = static_cast<std::size_t>(places); i < count; ++i) {
     Vector<D> X;
     std::size_t rest = i;
     for (int d = 0; d < D; ++d) {
-      const auto along = static_cast<std::size_t>(grid.cells(d)) * static_cast<std::size_t>(n);
       // From the cell's own node: particles of cells that meet at a node mirror each other.
-      const std::size_t k = rest % along;
+      const std::size_t k = first[d] + rest % along[d];
       X[d] = grid.node(static_cast<int>(k / static_cast<std::size_t>(n)), d) +
              (static_cast<double>(k % static_cast<std::size_t>(n)) + 0.5) * edge;
-      rest /= along;
+      rest /= along[d];
     }
-    if (!inside(X)) continue;
+    if (!region.inside(X)) continue;
     for (int d = 0; d < D && jitter > 0; ++d)
       X[d] += jitter * edge * (static_cast<double>(random()) / random.max() - 0.5);
     out.add(X, Matrix<D>::Identity() * (edge / 2), density, body);
@@ -65,7 +102,8 @@ std::vector<SurfacePart<D>> surface(const Particles<D>& particles, int body,
 }
 
 #define RECON_INSTANTIATE(D)                                                                      \
-  template void fill_cells(const Grid<D>&, const Inside<D>&, int, double, double, int,            \
+  template void require_in_grid(const Grid<D>&, const Vector<D>&, const Vector<D>&);              \
+  template void fill_cells(const Grid<D>&, const Region<D>&, int, double, double, int, double,    \
                            Particles<D>&);                                                        \
   template std::vector<SurfacePart<D>> surface(const Particles<D>&, int,                          \
                                                const std::function<Vector<D>(const Vector<D>&)>&, \

@@ -9,15 +9,25 @@
 
 namespace recon::mpm {
 
-// Is this point in the body?
+// The shape of a body: is this point of the box in it?
 template <int D>
-using Inside = std::function<bool(const Vector<D>&)>;
+struct Region {
+  Vector<D> lower, upper;  // of the smallest box that holds it
+  std::function<bool(const Vector<D>&)> inside;
+};
+
+// Throws InvalidArgument for a box that reaches out of the grid by more than a millionth of a cell:
+// a body is never cut.
+template <int D>
+void require_in_grid(const Grid<D>& grid, const Vector<D>& lower, const Vector<D>& upper);
 
 // Particles at the fractions (j - 1/2) / n of the grid's cells, n an axis, wherever they are
 // inside. jitter: moved at random by up to this part of their own box, the same way every time.
+// Throws InvalidArgument for a region that reaches out of the grid, and, before anything is
+// allocated, where its box holds more than `most` such places.
 template <int D>
-void fill_cells(const Grid<D>& grid, const Inside<D>& inside, int n, double jitter, double density,
-                int body, Particles<D>& out);
+void fill_cells(const Grid<D>& grid, const Region<D>& region, int n, double jitter, double density,
+                int body, double most, Particles<D>& out);
 
 // A ring between two radii about a centre: `radial` times `angular` sectors of equal angle; each
 // particle's domain has the area of its sector, one edge along the radius.

@@ -1,5 +1,7 @@
 #include "recon/mpm/method.hpp"
 
+#include <cmath>
+
 #include "recon/core/names.hpp"
 
 namespace recon::mpm {
@@ -101,6 +103,35 @@ void Method::validate(int dimension) const {
           name_of(update), "has its own order of the stress: stress first is for flip");
   require(update != Update::runge_kutta || domain != Domain::cpdi2, "update of the method",
           name_of(update), "does not move the corners of cpdi2; cpdi1 has none to move");
+}
+
+// The least of what is measured in docs/mpm.md, for groups of methods. A consistent mass is lighter
+// in short waves, by 3 on each axis with linear functions; FMPM(m) multiplies accelerations of what
+// particles do not see by m, so that its step is sqrt(m) times shorter where that is excited.
+double Method::stable_courant(int dimension) const {
+  if (basis == Basis::q8) return 0;
+  if (basis == Basis::q9) return 0.55;
+  if (mass == MassMatrix::consistent) return dimension == 1 ? 0.49 : dimension == 2 ? 0.41 : 0.35;
+  if (update == Update::fmpm) return 0.75 / std::sqrt(order);
+  if (is_cell(quadrature) || (domain == Domain::point && basis != Basis::linear)) return 0.85;
+  return 0.7;
+}
+
+double Method::default_courant(int) const {
+  if (update == Update::fmpm) return 0.4 / std::sqrt(order);
+  return mass == MassMatrix::consistent ? 0.3 : 0.4;
+}
+
+std::string Method::caveat() const {
+  if (is_element(basis))
+    return "functions of " + std::string(name_of(basis)) +
+           " are negative in parts: a body breaks where the mass of a node passes through zero";
+  if (quadrature == Quadrature::nodal_cells && degree == 2)
+    return "quadrature over nodal cells with fits of degree 2 gains energy on fine grids";
+  if (is_cell(quadrature) && degree == 3) return "cubic fits at free surfaces break the body";
+  if (is_cell(quadrature))
+    return "quadrature over cells gains energy at free surfaces, the more the shorter the step";
+  return "";
 }
 
 namespace {

@@ -1,5 +1,9 @@
 #include "recon/mpm/problem.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/polynomial_modes.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon::mpm {
@@ -19,52 +23,181 @@ void Problem<D>::follow_exact() {
   };
 }
 
+void validate_density(double density) {
+  require(density > 0 && std::isfinite(density), "density", density, "must be positive and finite");
+}
+
+const NeoHookean& material_of_exact(const std::vector<Material>& materials) {
+  require(materials.size() == 1, "bodies with an exact solution", materials.size(), "must be one");
+  const auto* material = std::get_if<NeoHookean>(&materials[0]);
+  require(material != nullptr, "material of an exact solution", "linear_elastic",
+          "must be neo_hookean");
+  return *material;
+}
+
+void TimeOptions::validate() const {
+  require(end > 0, "end", end, "must be positive");
+  require(!courant || (*courant > 0 && std::isfinite(*courant)), "courant", courant.value_or(0),
+          "must be positive and finite");
+  require(rule != StepRule::fixed || (step > 0 && std::isfinite(step)), "step", step,
+          "must be positive and finite");
+}
+
+void Limits::validate() const {
+  require(memory >= 0, "limit of memory", memory, "must be bytes, or 0 for what the machine has");
+  require(steps > 0, "limit of steps", steps, "must be positive");
+}
+
+template <int D>
+void Boundary<D>::validate(const Grid<D>& grid) const {
+  require(axis >= 0 && axis < D, "axis of a boundary", axis, "must be an axis of the grid");
+  const double plane = (at - grid.lower()[axis]) / grid.h();
+  require(
+      std::abs(plane - std::round(plane)) < 1e-6 && plane > -0.5 && plane < grid.cells(axis) + 0.5,
+      "place of a boundary", at, "must be a plane of nodes of the grid");
+  for (const auto& value : velocity)
+    require(!value || std::isfinite(*value), "velocity of a boundary", value.value_or(0),
+            "must be finite");
+}
+
+template <int D>
+void Load<D>::validate(std::size_t particles) const {
+  require(particle < particles && magnitude, "particle of a load", particle,
+          "must be one of the particles, with a magnitude");
+  require(direction.allFinite(), "direction of a load", direction.transpose(), "must be finite");
+  require(area.allFinite(), "area of a load", area.transpose(), "must be finite");
+}
+
+template <int D>
+void Problem<D>::validate(const Particles<D>& all) const {
+  const std::size_t count = all.size();
+  require(count > 0, "particles", count, "must be at least one");
+  require(count < 0xffffffffu, "particles", count, "must be fewer than 2^32 - 1");
+  const auto same_length = [&](const char* name, const auto& values) {
+    if (values.size() != count)
+      recon::detail::throw_invalid(
+          std::string(name) + " of the particles", values.size(),
+          "must be one for each of the " + std::to_string(count) + " positions");
+  };
+  const auto all_finite = [&](const char* name, const auto& values) {
+    same_length(name, values);
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      const auto of = [p] { return " of particle " + std::to_string(p); };
+      if constexpr (requires { values[p].allFinite(); }) {
+        if (!values[p].allFinite())
+          recon::detail::throw_invalid(name + of(), values[p].reshaped().transpose(),
+                                       "must be finite");
+      } else if (!std::isfinite(values[p])) {
+        recon::detail::throw_invalid(name + of(), values[p], "must be finite");
+      }
+    }
+  };
+  all_finite("x", all.x);
+  all_finite("X", all.X);
+  all_finite("v", all.v);
+  all_finite("F", all.F);
+  all_finite("L", all.L);
+  all_finite("stress", all.stress);
+  all_finite("half_edges", all.half_edges);
+  all_finite("mass", all.mass);
+  all_finite("volume0", all.volume0);
+  all_finite("energy", all.energy);
+  same_length("body", all.body);
+  for (std::size_t p = 0; p < count; ++p) {
+    // One text for what is wrong with a particle.
+    const auto of = [&](bool holds, const char* what, const auto& value, const char* rule) {
+      if (!holds) [[unlikely]]
+        recon::detail::throw_invalid(std::string(what) + " of particle " + std::to_string(p), value,
+                                     rule);
+    };
+    of(grid.contains(all.x[p]), "position", all.x[p].transpose(), "must lie in the grid");
+    of(all.mass[p] > 0, "mass", all.mass[p], "must be positive");
+    of(all.volume0[p] > 0, "volume0", all.volume0[p], "must be positive");
+    of(all.F[p].determinant() > 0, "det F", all.F[p].determinant(), "must be positive");
+    of(all.half_edges[p].determinant() != 0, "half_edges", all.half_edges[p].determinant(),
+       "must span a volume");
+    of(all.body[p] >= 0 && static_cast<std::size_t>(all.body[p]) < materials.size(), "body",
+       all.body[p], "must be the number of a material");
+  }
+  if (!all.corners.empty()) {
+    same_length("corners", all.corners);
+    for (std::size_t p = 0; p < count; ++p)
+      for (const Vector<D>& corner : all.corners[p])
+        require(corner.allFinite(), "corner of a particle", corner.transpose(), "must be finite");
+  }
+  if (!all.modes.empty()) {
+    const std::size_t modes = count * static_cast<std::size_t>(mode_count(method.velocity, D));
+    require(all.modes.size() == modes, "modes of the particles", all.modes.size(),
+            "must be those of the method for each particle, or none");
+    for (const Vector<D>& mode : all.modes)
+      require(mode.allFinite(), "mode of a particle", mode.transpose(), "must be finite");
+  }
+}
+
 template <int D>
 void Problem<D>::validate() const {
-  require(particles.size() > 0, "particles", particles.size(), "must be at least one");
+  for (int d = 0; d < D; ++d)
+    require(grid.cells(d) >= 1, "cells of the grid along an axis", grid.cells(d),
+            "must be at least one");
   require(materials.size() == densities.size(), "densities", densities.size(),
           "must be one for each material");
   require(gravity.allFinite(), "gravity", gravity.transpose(), "must be finite");
+  require(threads >= 0 && threads <= 1024, "threads", threads, "must be from 0 (all) to 1024");
   method.validate(D);
   if (is_element(method.basis))
     for (int d = 0; d < D; ++d)
       require(grid.cells(d) % 2 == 0, "cells of the grid along an axis", grid.cells(d),
               "must be even with elements of 2 x 2 cells");
-  for (const double density : densities)
-    require(density > 0 && std::isfinite(density), "density", density,
-            "must be positive and finite");
-  for (std::size_t p = 0; p < particles.size(); ++p) {
-    require(particles.x[p].allFinite() && grid.contains(particles.x[p]), "position of a particle",
-            particles.x[p].transpose(), "must lie in the grid");
-    require(particles.v[p].allFinite(), "velocity of a particle", particles.v[p].transpose(),
-            "must be finite");
-    require(particles.mass[p] > 0 && std::isfinite(particles.mass[p]), "mass of a particle",
-            particles.mass[p], "must be positive and finite");
-    require(particles.volume(p) > 0, "volume of a particle", particles.volume(p),
-            "must be positive");
-    const int body = particles.body[p];
-    require(body >= 0 && static_cast<std::size_t>(body) < materials.size(), "body of a particle",
-            body, "must be the number of a material");
-  }
-  for (const Boundary<D>& boundary : boundaries) {
-    require(boundary.axis >= 0 && boundary.axis < D, "axis of a boundary", boundary.axis,
-            "must be an axis of the grid");
-    const double plane = (boundary.at - grid.lower()[boundary.axis]) / grid.h();
-    require(std::abs(plane - std::round(plane)) < 1e-6 && plane > -0.5 &&
-                plane < grid.cells(boundary.axis) + 0.5,
-            "place of a boundary", boundary.at, "must be a plane of nodes of the grid");
-  }
-  for (const Load<D>& load : loads)
-    require(load.particle < particles.size() && load.magnitude, "particle of a load", load.particle,
-            "must be one of the particles, with a magnitude");
-  require(time.courant > 0 && std::isfinite(time.courant), "courant", time.courant,
-          "must be positive and finite");
-  require(time.rule != StepRule::fixed || (time.step > 0 && std::isfinite(time.step)), "step",
-          time.step, "must be positive and finite");
+  for (const Material& material : materials) lame(material).validate();
+  for (const double density : densities) validate_density(density);
+  validate(particles);
+  if (exact) material_of_exact(materials);
+  for (const Boundary<D>& boundary : boundaries) boundary.validate(grid);
+  for (const Load<D>& load : loads) load.validate(particles.size());
+  time.validate();
+  limits.validate();
 }
 
-template struct Problem<1>;
-template struct Problem<2>;
-template struct Problem<3>;
+template <int D>
+Step choose_step(const Problem<D>& problem) {
+  const TimeOptions& time = problem.time;
+  const Particles<D>& particles = problem.particles;
+  if (time.rule == StepRule::fixed) return {time.step, 0};
+  const double courant = time.courant.value_or(problem.method.default_courant(D));
+  Step slowest{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const Lame& elastic = lame(problem.materials[particles.body[p]]);
+    const double reference = particles.mass[p] / particles.volume0[p];
+    const double speed = time.rule == StepRule::adaptive
+                             ? elastic.p_wave_speed(particles.density(p)) + particles.v[p].norm()
+                         : time.rule == StepRule::p_wave ? elastic.p_wave_speed(reference)
+                                                         : elastic.bar_wave_speed(reference);
+    const double dt = courant * problem.grid.h() / speed;
+    if (dt < slowest.dt) slowest = {dt, p};
+  }
+  return slowest;
+}
+
+template <int D>
+double courant_of(const Problem<D>& problem, double dt) {
+  const Particles<D>& particles = problem.particles;
+  double fastest = 0;
+  for (std::size_t p = 0; p < particles.size(); ++p)
+    fastest = std::max(
+        fastest, lame(problem.materials[particles.body[p]]).p_wave_speed(particles.density(p)) +
+                     particles.v[p].norm());
+  return fastest * dt / problem.grid.h();
+}
+
+#define RECON_INSTANTIATE(D)                    \
+  template struct Boundary<D>;                  \
+  template struct Load<D>;                      \
+  template struct Problem<D>;                   \
+  template Step choose_step(const Problem<D>&); \
+  template double courant_of(const Problem<D>&, double);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

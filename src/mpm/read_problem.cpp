@@ -12,7 +12,9 @@
 #include "mpm/bodies.hpp"
 #include "mpm/expression.hpp"
 #include "mpm/toml_reader.hpp"
+#include "recon/core/parallel.hpp"
 #include "recon/io/read.hpp"
+#include "recon/mpm/forecast.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -54,6 +56,8 @@ const KnownKeys known_keys{{"title",
                             "time.rule",
                             "time.courant",
                             "time.step",
+                            "limits.memory",
+                            "limits.steps",
                             "output.frames",
                             "output.ledger",
                             "output.fields",
@@ -106,11 +110,8 @@ class Reader {
     Problem<D>& problem = out_.problem;
     if (file_.has("title")) problem.title = file_.text("title");
     problem.threads = file_.integer("threads", 0, 0, 1024);
-    const TomlTable constants = file_.table("constants");
-    for (const auto& [key, node] : constants.raw()) {
-      constants_[std::string(key.str())] = constants.number(key.str());
-      note(constants, key.str());
-    }
+    read_constants();
+    read_limits();
     read_grid();
     read_method();
     read_bodies();
@@ -184,6 +185,41 @@ class Reader {
     return at;
   }
 
+  // Numbers, and formulas of other constants, in any order.
+  void read_constants() {
+    const TomlTable table = file_.table("constants");
+    Words open;
+    for (const auto& [key, node] : table.raw()) open.emplace_back(key.str());
+    for (bool last_try = false; !open.empty();) {
+      Words later;
+      for (const std::string& key : open) {
+        try {
+          const toml::node& node = *table.elements(key, 1).front();
+          const auto text = node.value_exact<std::string>();
+          std::map<std::string, double> with_it = constants_;
+          with_it[key] = text ? Formula(*text, {}, constants_)({}) : table.number(key);
+          Formula("0", Expression::variable_names(), with_it);  // is the name one for formulas?
+          constants_ = std::move(with_it);
+          note(table, key);
+        } catch (const std::invalid_argument& error) {
+          if (last_try) table.fail(key, error.what());
+          later.push_back(key);
+        }
+      }
+      last_try = later.size() == open.size();
+      open = std::move(later);
+    }
+  }
+
+  void read_limits() {
+    const TomlTable keys = file_.table("limits");
+    Limits& limits = out_.problem.limits;
+    limits.memory = keys.number("memory", limits.memory);
+    limits.steps = keys.number("steps", limits.steps);
+    checked(keys, "memory", [&] { limits.validate(); });
+    keys.finish();
+  }
+
   void read_grid() {
     const TomlTable grid = file_.table("grid");
     const Vector<D> lower = vector(grid, "lower"), upper = vector(grid, "upper");
@@ -237,7 +273,7 @@ class Reader {
     const double young = keys.number("young"), poisson = keys.number("poisson");
     checked(keys, "young", [&] { elastic = Lame::from(young, poisson); });
     density = keys.number("density");
-    checked(keys, "density", [&] { require(density > 0, "density", density, "must be positive"); });
+    checked(keys, "density", [&] { validate_density(density); });
     const std::string kind = keys.choice("kind", Words{"neo_hookean", "linear_elastic"});
     keys.finish();
     if (kind == "neo_hookean") return NeoHookean{elastic};
@@ -272,29 +308,42 @@ class Reader {
     const std::string layout = body.choice("layout", Words{"cell", "jittered", "polar"});
     const double jitter = layout == "jittered" ? body.number("jitter", 0.5) : 0;
     if (jitter < 0 || jitter > 1) body.fail("jitter", "must lie between 0 and 1");
-    Inside<D> inside;
+    Region<D> region;
     if (shape == "box") {
       const Vector<D> lower = vector(body, "lower"), upper = vector(body, "upper");
       if (!(lower.array() < upper.array()).all()) body.fail("upper", "must be above lower");
-      inside = [=](const Vector<D>& X) {
-        return (X.array() > lower.array()).all() && (X.array() < upper.array()).all();
-      };
+      region = {lower, upper, [=](const Vector<D>& X) {
+                  return (X.array() > lower.array()).all() && (X.array() < upper.array()).all();
+                }};
     } else if (shape == "polygon") {
-      inside = polygon(body);
+      region = polygon(body);
     } else {
       const Vector<D> centre = vector(body, "centre");
       const double outer = body.number(shape == "disk" ? "radius" : "outer");
       const double inner = shape == "disk" ? 0 : body.number("inner");
       if (!(outer > inner && inner >= 0))
         body.fail(shape == "disk" ? "radius" : "outer", "must be above the inner radius");
-      if (layout == "polar") return fill_polar(body, centre, inner, outer, density, number);
-      inside = [=](const Vector<D>& X) {
-        const double R = (X - centre).norm();
-        return R >= inner && R <= outer;
-      };
+      region = {centre.array() - outer, centre.array() + outer, [=](const Vector<D>& X) {
+                  const double R = (X - centre).norm();
+                  return R >= inner && R <= outer;
+                }};
+      if (layout == "polar") {
+        checked(body, "shape", [&] { require_in_grid(grid, region.lower, region.upper); });
+        return fill_polar(body, centre, inner, outer, density, number);
+      }
     }
     if (layout == "polar") body.fail("layout", "'polar' is for rings and disks");
-    fill_cells(grid, inside, n, jitter, density, number, problem.particles);
+    checked(body, "shape", [&] {
+      fill_cells(grid, region, n, jitter, density, number, most_particles(), problem.particles);
+    });
+  }
+
+  // That there is memory for, and numbers.
+  double most_particles() const {
+    const Problem<D>& problem = out_.problem;
+    const double memory = problem.limits.memory > 0 ? problem.limits.memory : available_memory();
+    return std::min(memory / bytes_of_particle<D>(problem.method), 4294967294.0) -
+           static_cast<double>(problem.particles.size());
   }
 
   void fill_polar(const TomlTable& body, const Vector<D>& centre, double inner, double outer,
@@ -313,7 +362,7 @@ class Reader {
     }
   }
 
-  static Inside<D> polygon(const TomlTable& body) {
+  static Region<D> polygon(const TomlTable& body) {
     namespace bg = boost::geometry;
     using Point = bg::model::d2::point_xy<double>;
     if constexpr (D == 2) {
@@ -326,7 +375,11 @@ class Reader {
       bg::correct(shape);
       std::string reason;
       if (!bg::is_valid(shape, reason)) body.fail("wkt", reason);
-      return [shape](const Vector<2>& X) { return bg::within(Point(X[0], X[1]), shape); };
+      bg::model::box<Point> box;
+      bg::envelope(shape, box);
+      return {{box.min_corner().x(), box.min_corner().y()},
+              {box.max_corner().x(), box.max_corner().y()},
+              [shape](const Vector<2>& X) { return bg::within(Point(X[0], X[1]), shape); }};
     } else {
       body.fail("shape", "polygons are for 2-D");
     }
@@ -347,6 +400,8 @@ class Reader {
         body.fail("file", "volume of " + table.describe_row(p) + " must be positive");
       Vector<D> X;
       for (int d = 0; d < D; ++d) X[d] = positions(p, d);
+      if (!out_.problem.grid.contains(X))
+        body.fail("file", "position of " + table.describe_row(p) + " must lie in the grid");
       out_.problem.particles.add(X, Matrix<D>::Identity() * (std::pow(volumes[p], 1.0 / D) / 2),
                                  density, number);
     }
@@ -382,11 +437,9 @@ class Reader {
     const TomlTable keys = file_.table("manufactured");
     const std::string solution = keys.choice("solution", manufactured_names(), true);
     const double G = keys.number("G");
-    const auto* material = std::get_if<NeoHookean>(&problem.materials.front());
-    if (!material) keys.fail("solution", "needs a neo_hookean material");
-    if (problem.materials.size() > 1) keys.fail("solution", "is for one body");
     checked(keys, "solution", [&] {
-      problem.exact = make_manufactured<D>(solution, G, *material, problem.densities.front());
+      problem.exact = make_manufactured<D>(solution, G, material_of_exact(problem.materials),
+                                           problem.densities.front());
     });
     problem.follow_exact();
     note(keys, "solution");
@@ -415,6 +468,7 @@ class Reader {
         }
       }
       table.finish();
+      checked(table, "at", [&] { boundary.validate(out_.problem.grid); });
       out_.problem.boundaries.push_back(boundary);
     }
   }
@@ -426,11 +480,15 @@ class Reader {
     if (loads.has("body_force")) {
       if (problem.exact) loads.fail("body_force", "is given by the manufactured solution");
       const auto force = expressions(loads, "body_force");
-      problem.body_force = [force](const Particles<D>& particles, double t, int,
+      problem.body_force = [force](const Particles<D>& particles, double t, int threads,
                                    std::vector<Vector<D>>& out) {
-        for (std::size_t p = 0; p < particles.size(); ++p)
-          for (int d = 0; d < D; ++d)
-            out[p][d] += force[d](variables(particles.X[p], particles.x[p], t));
+        parallel_blocks(particles.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
+          for (int d = 0; d < D; ++d) {
+            auto value = force[d].evaluator();
+            for (std::size_t p = begin; p < end; ++p)
+              out[p][d] += value(variables(particles.X[p], particles.x[p], t));
+          }
+        });
       };
     }
     loads.finish();
@@ -487,15 +545,14 @@ class Reader {
     TimeOptions& time = out_.problem.time;
     const TomlTable keys = file_.table("time");
     time.end = keys.number("end");
-    if (!(time.end > 0)) keys.fail("end", "must be positive");
     const std::string rule = keys.choice("rule", Words{"adaptive", "p_wave", "bar_wave", "fixed"});
     time.rule = rule == "adaptive"   ? StepRule::adaptive
                 : rule == "p_wave"   ? StepRule::p_wave
                 : rule == "bar_wave" ? StepRule::bar_wave
                                      : StepRule::fixed;
-    time.courant = keys.number("courant", 0.4);
-    if (!(time.courant > 0)) keys.fail("courant", "must be positive");
+    if (keys.has("courant")) time.courant = keys.number("courant");
     if (time.rule == StepRule::fixed) time.step = keys.number("step");
+    checked(keys, "end", [&] { time.validate(); });
     keys.finish();
   }
 

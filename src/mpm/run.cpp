@@ -11,10 +11,21 @@
 namespace recon::mpm {
 namespace {
 
-// The step, shortened so that `end` is met by steps of nearly equal length.
-double step_towards(double end, double time, double dt) {
-  const double left = end - time;
-  return left / std::ceil(left / dt * (1 - 1e-12));
+// The step, shortened so that `end` is met by steps of nearly equal length. Throws Failure where
+// speeds have grown so much that no end is in sight.
+template <int D>
+Step step_towards(double end, const Simulation<D>& simulation) {
+  Step step = simulation.choose_step();
+  const double time = simulation.time(), left = end - time;
+  const double steps = std::ceil(left / step.dt * (1 - 1e-12));
+  const double most = simulation.problem().limits.steps;
+  step.dt = left / steps;
+  if (!(time + step.dt > time) || !(static_cast<double>(simulation.steps()) + steps <= most))
+    throw Failure(simulation.steps(), "particle", step.particle,
+                  "it asks for a step of " + recon::detail::to_text(step.dt) + " at " +
+                      recon::detail::to_text(time) + ", so for " + recon::detail::to_text(steps) +
+                      " more steps");
+  return step;
 }
 
 // ledger.csv, complete also where a run ends by an exception; a run that goes on keeps the rows
@@ -67,13 +78,18 @@ void run_until(Simulation<D>& simulation, double end, const std::function<void()
     simulation.map();
     if (observe) observe();
     if (done) return;
-    simulation.advance(step_towards(end, simulation.time(), simulation.choose_step().dt));
+    simulation.step(step_towards(end, simulation).dt);
   }
 }
 
 template <int D>
 RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   const double end = file.problem.time.end;
+  require(std::isfinite(end), "end", end, "must be finite");
+  file.problem.validate();
+  RunResult result;
+  result.forecast = forecast(file.problem);
+  require_possible(file.problem, result.forecast);
   const int frames = file.output.frames;
   const std::filesystem::path ledger_path = options.folder / "ledger.csv";
   const std::filesystem::path checkpoint = options.folder / "checkpoint.h5";
@@ -88,7 +104,8 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
 
   Simulation<D> simulation(file.problem);
   RunState state;
-  if (!from_start) try {
+  if (!from_start) {
+    try {
       state = read_checkpoint(options.restart, simulation);
       if (simulation.time() > end * (1 + 1e-12))
         throw FileError(options.restart, 0,
@@ -97,6 +114,10 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
     } catch (const FileError& why) {
       throw NoRestart(why);
     }
+    result.forecast = forecast(simulation.problem(), simulation.time());
+    require_possible(simulation.problem(), result.forecast, simulation.time());
+  }
+  if (options.begins) options.begins(result.forecast);
   std::error_code error;
   std::filesystem::create_directories(options.folder, error);
   if (error) throw FileError(options.folder, 0, "could not be made: " + error.message());
@@ -106,7 +127,6 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   FrameOptions frame_options;
   frame_options.fields = file.output.fields;
   frame_options.first_listed = own_folder ? 0 : state.frame_times.size();
-  RunResult result;
   result.shortest_step = std::numeric_limits<double>::infinity();
   // Frames are due at the multiples of this; the one at which a restart begins has been written.
   const double spacing = frames > 0 ? end / frames : 0;
@@ -139,9 +159,8 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
       if (options.saved) options.saved(simulation.time(), simulation.steps());
     }
     if (done || result.stopped) break;
-    Step step = simulation.choose_step();
-    step.dt = step_towards(end, simulation.time(), step.dt);
-    simulation.advance(step.dt);
+    const Step step = step_towards(end, simulation);
+    simulation.step(step.dt);
     if (step.dt < result.shortest_step) {
       result.shortest_step = step.dt;
       result.limiting_particle = step.particle;

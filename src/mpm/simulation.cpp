@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "core/flatten.hpp"
 #include "mpm/cell_quadrature.hpp"
@@ -20,6 +19,9 @@ constexpr std::size_t particles_per_block = 1024;
 constexpr std::size_t fewest_for_threads =
     2000;                                // a step of fewer is over before threads have started
 constexpr double lightest_node = 1e-10;  // of the heaviest
+constexpr double light_node = 0.1;       // of the heaviest
+constexpr double most_strained = 0.5;    // k dt K / m of a light node
+constexpr double put_back = 1e-3;        // of a cell beyond a wall
 
 // For messages.
 std::string brief(double value, int digits = 4) {
@@ -99,6 +101,11 @@ void Simulation<D>::find_held() {
   for (const Boundary<D>& boundary : problem_.boundaries) {
     const auto plane = static_cast<std::size_t>(
         std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
+    if (boundary.velocity[boundary.axis] == 0.0) {
+      if (plane == 0) walls_[boundary.axis][0] = true;
+      if (plane == static_cast<std::size_t>(grid.cells(boundary.axis)))
+        walls_[boundary.axis][1] = true;
+    }
     for (std::size_t i = 0; i < grid.size(); ++i) {
       if (grid.nodes().index(i)[boundary.axis] != plane) continue;
       for (int d = 0; d < D; ++d)
@@ -109,27 +116,40 @@ void Simulation<D>::find_held() {
 }
 
 template <int D>
-Step Simulation<D>::choose_step() const {
-  const TimeOptions& time = problem_.time;
-  const Particles<D>& particles = problem_.particles;
-  if (time.rule == StepRule::fixed) return {time.step, 0};
-  Step slowest{std::numeric_limits<double>::infinity(), 0};
-  for (std::size_t p = 0; p < particles.size(); ++p) {
-    const Lame& elastic = lame(problem_.materials[particles.body[p]]);
-    const double reference = particles.mass[p] / particles.volume0[p];
-    const double speed = time.rule == StepRule::adaptive
-                             ? elastic.p_wave_speed(particles.density(p)) + particles.v[p].norm()
-                         : time.rule == StepRule::p_wave ? elastic.p_wave_speed(reference)
-                                                         : elastic.bar_wave_speed(reference);
-    const double dt = time.courant * problem_.grid.h() / speed;
-    if (dt < slowest.dt) slowest = {dt, p};
-  }
-  return slowest;
+const Nodes<D>& Simulation<D>::nodes() const {
+  require(!nodes_.mass.empty(), "nodes", "none", "need a map() or a step() before");
+  return nodes_;
+}
+template <int D>
+const Cells<D>& Simulation<D>::cells() const {
+  nodes();
+  return cells_;
+}
+
+// After a failure nothing is what it says.
+template <int D>
+void Simulation<D>::map() {
+  require(nodes_state_ != NodesState::broken, "simulation", "failed",
+          "cannot go on after a step that failed; restore() brings back a state");
+  if (nodes_state_ == NodesState::mapped) return;
+  nodes_state_ = NodesState::broken;
+  fill_nodes();
+  nodes_state_ = NodesState::mapped;
+}
+
+template <int D>
+void Simulation<D>::step(double dt) {
+  require(dt > 0 && std::isfinite(dt), "time step", dt, "must be positive and finite");
+  require(time_ + dt > time_, "time step", dt, "is too short to move the clock");
+  map();
+  nodes_state_ = NodesState::broken;
+  advance(dt);
+  nodes_state_ = NodesState::stepped;
 }
 
 // Step 1. What the papers call "map from material points to the grid".
 template <int D>
-void Simulation<D>::map() {
+void Simulation<D>::fill_nodes() {
   const Particles<D>& particles = problem_.particles;
   const Method& method = problem_.method;
   acceleration_.assign(problem_.body_force ? particles.size() : 0, Vector<D>::Zero());
@@ -139,6 +159,12 @@ void Simulation<D>::map() {
   nodes_.mass.assign(count, 0);
   nodes_.momentum.assign(count, Vector<D>::Zero());
   nodes_.force.assign(count, Vector<D>::Zero());
+  const bool light_nodes = method.domain == Domain::point && method.mass == MassMatrix::lumped &&
+                           method.basis == Basis::linear && !is_cell(method.quadrature) &&
+                           method.stress == StressUpdate::last &&
+                           method.update != Update::runge_kutta;
+  nodes_.internal.assign(light_nodes ? count : 0, Vector<D>::Zero());
+  nodes_.stiffness.assign(light_nodes ? count : 0, 0);
   MassEntries mass_entries;  // from Gauss points, of a consistent mass
   if (is_gauss(method.quadrature)) {
     cells_.fill = full_cells(problem_);
@@ -223,6 +249,7 @@ void Simulation<D>::scatter(Shape shape_of) {
   const bool particle_quadrature = !is_cell(method.quadrature);
   const bool gauss = is_gauss(method.quadrature);
   const bool taylor = method.velocity == VelocityMap::taylor;
+  const bool light_nodes = !nodes_.stiffness.empty();
   const auto modes = static_cast<std::size_t>(mode_count(method.velocity, D));
   const auto rows = [&](std::size_t p) { return shape_of.nodes_along(grid, particles, p, D - 1); };
   // Flattened, here and in gather(): with so many shapes the compiler runs out of what it inlines.
@@ -247,6 +274,13 @@ void Simulation<D>::scatter(Shape shape_of) {
         nodes_.mass[i] += part;
         nodes_.momentum[i] += part * show(k);
         nodes_.force[i] += pull * shape.G[k] + shape.S[k] * push;
+      }
+      if (!light_nodes) return;
+      const Lame& elastic = lame(problem_.materials[particles.body[p]]);
+      const double stiffness = volume * (elastic.lambda + 2 * elastic.mu);
+      for (std::size_t k = 0; k < shape.size(); ++k) {
+        nodes_.internal[shape.node[k]] += pull * shape.G[k];
+        nodes_.stiffness[shape.node[k]] += stiffness * shape.G[k].squaredNorm();
       }
     };
     if (!taylor && modes == 0) {
@@ -335,10 +369,30 @@ std::vector<Vector<D>> Simulation<D>::filtered(std::vector<Vector<D>> velocity) 
   return velocity;
 }
 
+// The nodes' velocities of which L is made, where some have a mass that is too small for the step;
+// empty where none has.
+template <int D>
+std::vector<Vector<D>> Simulation<D>::limited(double dt, double kick) const {
+  std::vector<Vector<D>> velocity;
+  double heaviest = 0;
+  for (const double mass : nodes_.mass) heaviest = std::max(heaviest, std::abs(mass));
+  for (std::size_t i = 0; i < nodes_.stiffness.size(); ++i) {
+    const double mass = std::abs(nodes_.mass[i]);
+    const double strained = kick * dt * nodes_.stiffness[i];
+    const bool feels_forces = mass > lightest_node * heaviest;
+    if (!feels_forces || mass > light_node * heaviest || strained <= most_strained * mass) continue;
+    if (velocity.empty()) velocity = nodes_.velocity;
+    velocity[i] -=
+        (1 - most_strained * mass / strained) * kick / nodes_.mass[i] * nodes_.internal[i];
+  }
+  if (!velocity.empty())
+    for (const HeldVelocity& held : held_) velocity[held.node][held.axis] = held.velocity;
+  return velocity;
+}
+
 // Steps 2 and 3: the momentum equation on the nodes, and what follows for the particles.
 template <int D>
 void Simulation<D>::advance(double dt) {
-  require(dt > 0 && std::isfinite(dt), "time step", dt, "must be positive and finite");
   const Update update = problem_.method.update;
   if (update == Update::runge_kutta) {
     advance_runge_kutta(dt);
@@ -356,7 +410,10 @@ void Simulation<D>::advance(double dt) {
     accelerate(nodes_.velocity);
     if (update == Update::fmpm) nodes_.velocity = filtered(std::move(nodes_.velocity));
     const auto& carried = update == Update::xpic ? smooth : nodes_.velocity;
-    with_shape(problem_.method, [&](auto shape_of) { gather(shape_of, carried, dt, kick); });
+    const std::vector<Vector<D>> slower = limited(dt, kick);
+    const auto& straining = slower.empty() ? nodes_.velocity : slower;
+    with_shape(problem_.method,
+               [&](auto shape_of) { gather(shape_of, carried, straining, dt, kick); });
   }
   time_ += dt;
   last_dt_ = dt;
@@ -367,7 +424,7 @@ void Simulation<D>::advance(double dt) {
 // The strain of the step just made, by the velocity that its particles show to the nodes now.
 template <int D>
 void Simulation<D>::strain_by_map() {
-  map();
+  fill_nodes();
   const Particles<D>& particles = problem_.particles;
   with_shape(problem_.method, [&](auto shape_of) {
     ShapeFunctions<D> shape;
@@ -381,8 +438,8 @@ void Simulation<D>::strain_by_map() {
 
 template <int D>
 template <class Shape>
-void Simulation<D>::gather(Shape shape_of, const std::vector<Vector<D>>& carried, double dt,
-                           double kick) {
+void Simulation<D>::gather(Shape shape_of, const std::vector<Vector<D>>& carried,
+                           const std::vector<Vector<D>>& straining, double dt, double kick) {
   Particles<D>& particles = problem_.particles;
   const Grid<D>& grid = problem_.grid;
   const bool flip = problem_.method.update == Update::flip;
@@ -396,7 +453,7 @@ void Simulation<D>::gather(Shape shape_of, const std::vector<Vector<D>>& carried
         ShapeFunctions<D>& shape = scratch.shape;
         for (std::size_t p = begin; p < end; ++p) {
           shape_of.shape(grid, particles, p, shape);
-          const Matrix<D> L = shape.gradient(nodes_.velocity);
+          const Matrix<D> L = shape.gradient(straining);
           const Vector<D> v = shape.value(carried);
           if constexpr (is_product<D, Shape>) {
             if (modes > 0) {
@@ -418,15 +475,23 @@ void Simulation<D>::gather(Shape shape_of, const std::vector<Vector<D>>& carried
           else
             particles.v[p] = v;
           shape_of.move(grid, particles, p, carried, dt);
+          move(p, particles.x[p]);  // cpdi2 has put it elsewhere
         }
       });
 }
 
-// A particle comes to x.
+// A particle comes to x, or to the wall that it cannot pass.
 template <int D>
-void Simulation<D>::move(std::size_t p, const Vector<D>& x) {
+void Simulation<D>::move(std::size_t p, const Vector<D>& to) {
+  const Grid<D>& grid = problem_.grid;
+  Vector<D> x = to;
+  for (int d = 0; d < D; ++d) {
+    const double lower = grid.lower()[d], upper = grid.upper(d), margin = put_back * grid.h();
+    if (walls_[d][0] && x[d] < lower && x[d] > lower - margin) x[d] = lower;
+    if (walls_[d][1] && x[d] > upper && x[d] < upper + margin) x[d] = upper;
+  }
   if (!x.allFinite()) throw Failure(steps_, "particle", p, "its position is not finite");
-  if (!problem_.grid.contains(x)) {
+  if (!grid.contains(x)) {
     std::string at;
     for (int d = 0; d < D; ++d) at += (d ? ", " : "") + brief(x[d], 9);
     throw Failure(steps_, "particle", p, "it left the grid at (" + at + ")");
@@ -497,7 +562,7 @@ void Simulation<D>::advance_runge_kutta(double dt) {
     });
     if (last) break;
     time_ = time + part[stage] * dt;
-    map();
+    fill_nodes();
   }
   time_ = time;
 }
@@ -507,10 +572,26 @@ void Simulation<D>::restore(Particles<D> particles, double time, std::int64_t st
                             double last_dt) {
   require(particles.size() == problem_.particles.size(), "particles of the restart",
           particles.size(), "must be as many as the problem has");
+  problem_.validate(particles);
+  require(particles.corners.size() == problem_.particles.corners.size(), "corners of the particles",
+          particles.corners.size(), "must be those of the method for each particle");
+  require(particles.modes.size() == problem_.particles.modes.size(), "modes of the particles",
+          particles.modes.size(), "must be those of the method for each particle");
+  require(std::isfinite(time) && time >= 0, "time of the restart", time,
+          "must be finite and not negative");
+  require(steps >= 0, "steps of the restart", steps, "must not be negative");
+  require(std::isfinite(last_dt) && last_dt >= 0, "last step of the restart", last_dt,
+          "must be finite and not negative");
   problem_.particles = std::move(particles);
   time_ = time;
   steps_ = steps;
   last_dt_ = last_dt;
+  nodes_ = {};
+  cells_ = {};
+  nodes_state_ = NodesState::none;
+  signs_.clear();
+  negative_mass_.reset();
+  sign_change_.reset();
 }
 
 template class Simulation<1>;

@@ -1,5 +1,6 @@
 #include "recon/mpm/stability.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,29 +11,35 @@
 namespace recon::mpm {
 namespace {
 
-constexpr int cells = 32;
+constexpr int cells = 32;  // per unit length: h = 1 / cells, c_p = 1
 
-// A bar that fills the grid, held at both ends; c_p = 1, h = 1 / cells. In 2-D a strip between
-// rollers.
+// A bar that fills the grid, held at its ends and between rollers; `free`: the same with a cell
+// around it, and nothing that holds it.
 template <int D>
-Problem<D> bar(const Method& method, int per_cell) {
+Problem<D> bar(const Method& method, int per_cell, int length = cells, bool free = false) {
   constexpr int across = 4;
+  const int around = free ? 2 : 0;  // an even number of cells, for elements of 2 x 2
   Problem<D> problem;
-  Vector<D> upper = Vector<D>::Constant(static_cast<double>(across) / cells);
-  upper[0] = 1;
-  problem.grid = Grid<D>(Vector<D>::Zero(), upper, 1.0 / cells);
+  Vector<D> lower = Vector<D>::Constant(-static_cast<double>(around) / cells), upper;
+  upper.setConstant(static_cast<double>(across + around) / cells);
+  upper[0] = static_cast<double>(length + around) / cells;
+  problem.grid = Grid<D>(lower, upper, 1.0 / cells);
   problem.materials = {LinearElastic{Lame{0, 0.5}}};
   problem.densities = {1};
   problem.method = method;
   problem.threads = 1;
   const double half = problem.grid.h() / (2 * per_cell);
-  const int along = cells * per_cell, count = D == 1 ? along : along * across * per_cell;
+  const int along = length * per_cell;
+  int count = along;
+  for (int d = 1; d < D; ++d) count *= across * per_cell;
   for (int p = 0; p < count; ++p) {
-    Vector<D> X = Vector<D>::Constant((2 * (p / along) + 1) * half);
+    Vector<D> X;
     X[0] = (2 * (p % along) + 1) * half;
+    for (int d = 1, rest = p / along; d < D; ++d, rest /= across * per_cell)
+      X[d] = (2 * (rest % (across * per_cell)) + 1) * half;
     problem.particles.add(X, Matrix<D>::Identity() * half, 1, 0);
   }
-  for (int d = 0; d < D; ++d)
+  for (int d = 0; d < D && !free; ++d)
     for (const double at : {0.0, upper[d]}) {
       Boundary<D> held{d, at, {}};
       held.velocity[static_cast<std::size_t>(d)] = 0.0;
@@ -51,10 +58,10 @@ double energy(const Particles<D>& particles) {
 
 // Does small noise stay small?
 template <int D>
-bool stable(const Method& method, int per_cell, double courant) {
-  constexpr int steps = 2000;
+bool stable(const Method& method, int per_cell, double courant, bool free = false) {
+  constexpr int steps = D == 1 ? 2000 : 1000, length = D == 1 ? cells : D == 2 ? 16 : 6;
   constexpr double growth = 100;
-  Problem<D> problem = bar<D>(method, per_cell);
+  Problem<D> problem = bar<D>(method, per_cell, length, free);
   std::mt19937 random(1);
   for (auto& v : problem.particles.v)
     for (double& each : v)
@@ -64,9 +71,8 @@ bool stable(const Method& method, int per_cell, double courant) {
   Simulation<D> simulation(std::move(problem));
   try {
     for (int s = 0; s < steps; ++s) {
-      simulation.map();
-      simulation.advance(courant / cells);
-      if (energy(simulation.particles()) > growth * start) return false;
+      simulation.step(courant / cells);
+      if (!(energy(simulation.particles()) <= growth * start)) return false;
     }
   } catch (const Failure&) {
     return false;
@@ -74,22 +80,28 @@ bool stable(const Method& method, int per_cell, double courant) {
   return true;
 }
 
-template <int D>
-double largest_stable(const Method& method, int per_cell) {
+double largest_stable(const Method& method, int dimension, int per_cell, double tolerance) {
   double low = 0, high = 4;
-  while (high - low > 0.002) {
+  while (high - low > tolerance) {
     const double middle = (low + high) / 2;
-    (stable<D>(method, per_cell, middle) ? low : high) = middle;
+    (is_stable(method, dimension, per_cell, middle) ? low : high) = middle;
   }
   return low;
 }
 
 }  // namespace
 
-StabilityLimit stability_limit(const Method& method, int per_cell) {
+bool is_stable(const Method& method, int dimension, int per_cell, double courant, bool free) {
+  require(dimension >= 1 && dimension <= 3, "dimension", dimension, "must be 1, 2 or 3");
+  if (dimension == 1) return stable<1>(method, per_cell, courant, free);
+  if (dimension == 2) return stable<2>(method, per_cell, courant, free);
+  return stable<3>(method, per_cell, courant, free);
+}
+
+StabilityLimit stability_limit(const Method& method, int per_cell, int dimension) {
   StabilityLimit limit{method.name, per_cell};
-  if (method.basis == Basis::q8) {
-    limit.measured = largest_stable<2>(method, per_cell);
+  if (dimension > 1 || method.basis == Basis::q8) {
+    limit.measured = largest_stable(method, std::max(dimension, 2), per_cell, 0.02);
     limit.W = limit.Q = limit.analytic = std::numeric_limits<double>::quiet_NaN();
     return limit;
   }
@@ -108,7 +120,7 @@ StabilityLimit stability_limit(const Method& method, int per_cell) {
   if (method.quadrature == Quadrature::cells) limit.Q = simulation.cells().values(cells / 2, 1);
   limit.analytic = 1 / std::sqrt(limit.Q * (2 - limit.W));
 
-  limit.measured = largest_stable<1>(method, per_cell);
+  limit.measured = largest_stable(method, 1, per_cell, 0.002);
   return limit;
 }
 
@@ -131,8 +143,7 @@ std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, doub
     };
     double before = 0;
     for (double now = 0;; before = now) {
-      simulation.map();
-      simulation.advance(dt);
+      simulation.step(dt);
       now = amplitude();
       if (now > 0 && simulation.steps() < 100 * cells) continue;
       const double half_period = simulation.time() - dt * now / (now - before);

@@ -43,10 +43,10 @@ Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32
   return values;
 }
 
-// sums[c * B + b] += sum over these entries of a row of value(e, b) in(index(e), first + c), c < C.
+// sums[c * B + b] = sum over these entries of a row of value(e, b) in(index(e), first + c), c < C.
 template <int B, int C, class Scalar>
-void add_entries(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
-                 std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
+void block_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+                std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
   // Several partial sums: one alone would wait for each addition before the next can begin.
   constexpr int parts = B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1;
   Scalar total[parts][B * C] = {};
@@ -61,16 +61,17 @@ void add_entries(const Scalar* values, const ParticleIndex* indices, std::int64_
   for (; e < end; ++e) add(e, total[0]);
   for (int i = 1; i < parts; ++i)
     for (int j = 0; j < B * C; ++j) total[0][j] += total[i][j];
-  for (int j = 0; j < B * C; ++j) sums[j] += total[0][j];
+  std::copy(total[0], total[0] + B * C, sums);
 }
 
 template <int B, int C, class Scalar>
 void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
               std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
-  std::fill_n(sums, B * C, Scalar(0));
-  detail::add_in_blocks<B * C>(
+  if (end - begin <= detail::sum_block) [[likely]]
+    return block_sums<B, C>(values, indices, begin, end, in, stride, sums);
+  detail::add_many_blocks<B * C>(
       end - begin, sums, [&](std::int64_t from, std::int64_t to, Scalar* part) {
-        add_entries<B, C>(values, indices, begin + from, begin + to, in, stride, part);
+        block_sums<B, C>(values, indices, begin + from, begin + to, in, stride, part);
       });
 }
 
@@ -89,14 +90,21 @@ void row_sums(int components, const Scalar* values, const ParticleIndex* indices
     row_sums<B, 1>(values, indices, begin, end, in + c, stride, sums + c * B);
 }
 
+// One test for all: x - x is 0 for numbers and NaN for others.
+template <class Scalar>
+bool all_finite(const Scalar* sums, int count) {
+  Scalar zero = 0;
+  for (int i = 0; i < count; ++i) zero += sums[i] - sums[i];
+  return zero == 0;
+}
+
 // Sums that have left the range of numbers are formed again: sum_of_products(i) is scaled sum
 // number i. Finite data can have a result that is too large by itself; then this says where.
 template <class Scalar, class SumOfProducts>
-void mend_overflow(Scalar* sums, int count, const char* place, std::size_t number,
-                   const SumOfProducts& sum_of_products) {
+[[gnu::noinline]] void mend_overflow(Scalar* sums, int count, const char* place, std::size_t number,
+                                     const SumOfProducts& sum_of_products) {
   for (int i = 0; i < count; ++i) {
-    if (std::isfinite(sums[i])) [[likely]]
-      continue;
+    if (std::isfinite(sums[i])) continue;
     sums[i] = sum_of_products(i);
     if (!std::isfinite(sums[i]))
       detail::throw_invalid(
@@ -238,13 +246,14 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<
           row_sums<6>(field.components(), values, index, first, last, in.data(), sums.data());
           break;
       }
-      mend_overflow(sums.data(), width, "target ", t, [&](int i) {
-        const auto stride = static_cast<std::size_t>(field.components());
-        return detail::scaled_sum_of_products<Scalar>(
-            last - first,
-            [&](std::int64_t e) { return values[(first + e) * blocks_ + i % blocks_]; },
-            [&](std::int64_t e) { return in[index[first + e] * stride + i / blocks_]; });
-      });
+      if (!all_finite(sums.data(), width)) [[unlikely]]
+        mend_overflow(sums.data(), width, "target ", t, [&](int i) {
+          const auto stride = static_cast<std::size_t>(field.components());
+          return detail::scaled_sum_of_products<Scalar>(
+              last - first,
+              [&](std::int64_t e) { return values[(first + e) * blocks_ + i % blocks_]; },
+              [&](std::int64_t e) { return in[index[first + e] * stride + i / blocks_]; });
+        });
       if (limit != Limit::none)
         limited[t] = limit_row(values, index, first, last, in.data(),
                                static_cast<std::size_t>(width), limit, all, sums.data());
@@ -298,17 +307,18 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
         for (int c = 0; c < components; ++c) sums[c] += lost[c];
       }
       const ParticleIndex p = pattern.particle(column);
-      mend_overflow(sums.data(), components, "particle ", p, [&](int c) {
-        return detail::scaled_sum_of_products<Scalar>(
-            (last - first) * blocks_,
-            [&](std::int64_t i) {
-              return values_[columns_of.entries[first + i / blocks_] * blocks_ + i % blocks_];
-            },
-            [&](std::int64_t i) {
-              return in[columns_of.rows[first + i / blocks_] * stride +
-                        static_cast<std::size_t>(c * blocks_ + i % blocks_)];
-            });
-      });
+      if (!all_finite(sums.data(), components)) [[unlikely]]
+        mend_overflow(sums.data(), components, "particle ", p, [&](int c) {
+          return detail::scaled_sum_of_products<Scalar>(
+              (last - first) * blocks_,
+              [&](std::int64_t i) {
+                return values_[columns_of.entries[first + i / blocks_] * blocks_ + i % blocks_];
+              },
+              [&](std::int64_t i) {
+                return in[columns_of.rows[first + i / blocks_] * stride +
+                          static_cast<std::size_t>(c * blocks_ + i % blocks_)];
+              });
+        });
       for (int c = 0; c < components; ++c) out(p, c) = sums[c];
     }
   });

@@ -5,6 +5,8 @@
 
 #include <functional>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "recon/core/error.hpp"
 
@@ -83,11 +85,61 @@ TEST(ParticleTable, Dimensions) {
   EXPECT_THAT(message([&] { line.positions(2); }), HasSubstr("must not exceed"));
   ParticleTable flat = line;
   flat.add_column("y", {1, 1});
-  EXPECT_EQ(flat.dimension(), 2);  // only a constant z counts as none
-  flat.add_column("z", {0.5, 0.5});
+  EXPECT_EQ(flat.dimension(), 1);
+  EXPECT_EQ(flat.positions(2).dimension(), 2);
+  flat.add_column("z", {0.5, 0.75});
   EXPECT_EQ(flat.dimension(), 2);
+  EXPECT_THAT(flat.coordinates(), ElementsAre("xu", "z"));
+  EXPECT_THAT(flat.axes(), ElementsAre(0, 2));
+  EXPECT_EQ(flat.positions()(1, 1), 0.75);
   EXPECT_EQ(flat.positions(3).dimension(), 3);
   EXPECT_THAT(flat.coordinates(3), ElementsAre("xu", "y", "z"));
+  EXPECT_THAT(flat.all_coordinates(), ElementsAre("xu", "y", "z"));
+}
+
+// Whichever coordinate is constant, the others count; where all are, all do.
+TEST(ParticleTable, AConstantCoordinateCountsAsNone) {
+  for (int constants = 0; constants < 8; ++constants) {
+    ParticleTable table;
+    std::vector<std::string> varying;
+    std::vector<int> axes;
+    for (int d = 0; d < 3; ++d) {
+      const std::string name(1, "xyz"[d]);
+      const bool constant = (constants >> d & 1) == 1;
+      table.add_column(name, {2, 2, constant ? 2.0 : 3.0});
+      if (constant && constants < 7) continue;
+      varying.push_back(name);
+      axes.push_back(d);
+    }
+    EXPECT_EQ(table.coordinates(), varying) << constants;
+    EXPECT_EQ(table.axes(), axes) << constants;
+    EXPECT_EQ(table.dimension(), static_cast<int>(axes.size())) << constants;
+  }
+}
+
+TEST(ParticleTable, AxesByNameOrByPlace) {
+  ParticleTable table;
+  for (const char* name : {"lon", "x", "y", "zu"}) table.add_column(name, {1, 2});
+  const auto axes = [&](std::vector<std::string> columns) {
+    table.set_coordinates(std::move(columns));
+    return table.axes();
+  };
+  EXPECT_THAT(axes({"x", "zu"}), ElementsAre(0, 2));
+  EXPECT_THAT(axes({"zu", "x"}), ElementsAre(2, 0));
+  EXPECT_THAT(axes({"lon", "x"}), ElementsAre(0, 1));
+  EXPECT_THAT(axes({"lon", "zu"}), ElementsAre(0, 2));
+}
+
+TEST(ParticleTable, KeepsRows) {
+  ParticleTable table = cube();
+  table.set_lines({5, 6, 7});
+  table.keep_rows({false, true, true});
+  EXPECT_EQ(table.size(), 2u);
+  EXPECT_THAT(table.column("x"), ElementsAre(1, 2));
+  EXPECT_EQ(table.describe_row(1), "row 1 (id 13, line 7)");
+  EXPECT_THAT(message([&] { table.keep_rows({true}); }), HasSubstr("number of rows"));
+  table.keep_rows({false, false});
+  EXPECT_EQ(table.size(), 0u);
 }
 
 TEST(ParticleTable, OneParticleKeepsItsZ) {
@@ -106,9 +158,9 @@ TEST(ParticleTable, MissingCoordinates) {
   table.set_coordinates({"r"});
   EXPECT_EQ(table.positions()(0, 0), 1);
   ParticleTable gap;
-  gap.add_column("x", {1});
+  gap.add_column("y", {1});
   gap.add_column("z", {1});
-  EXPECT_THAT(message([&] { gap.dimension(); }), HasSubstr("coordinate column y"));
+  EXPECT_THAT(gap.coordinates(), ElementsAre("y", "z"));
 }
 
 TEST(ParticleTable, BoxFollowsTheCoordinates) {

@@ -46,10 +46,7 @@ recon::mpm::Simulation<2> fresh() {
 }
 
 void two_steps(recon::mpm::Simulation<2>& simulation) {
-  for (int s = 0; s < 2; ++s) {
-    simulation.map();
-    simulation.advance(simulation.choose_step().dt);
-  }
+  for (int s = 0; s < 2; ++s) simulation.step(simulation.choose_step().dt);
 }
 
 // A file of this process, in memory where there is such a place.

@@ -122,10 +122,21 @@ TEST_P(AtomicFiles, ReplacesWhatIsThere) {
 TEST_P(AtomicFiles, CanBeOpenedByItsPath) {
   const TemporaryFolder folder;
   AtomicFile file(folder / "a", GetParam());
-  std::ofstream(file.temporary(), std::ios::binary) << "by another library";
+  EXPECT_EQ(folder.entries(), GetParam() ? 1u : 0u);
+  std::ofstream(file.open_path(), std::ios::binary) << "by another library";
+  EXPECT_EQ(bytes_of(file.open_path()), "by another library");
   EXPECT_EQ(bytes_of(file.temporary()), "by another library");
+  EXPECT_EQ(file.temporary().parent_path(), folder.path());  // has a name from here on
+  EXPECT_EQ(folder.entries(), 1u);
   file.commit();
   EXPECT_EQ(bytes_of(folder / "a"), "by another library");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST_P(AtomicFiles, ANameThatWasAskedForGoesToo) {
+  const TemporaryFolder folder;
+  { EXPECT_NE(AtomicFile(folder / "a", GetParam()).temporary(), ""); }
+  EXPECT_EQ(folder.entries(), 0u);
 }
 
 // A process that is killed while it writes leaves nothing.

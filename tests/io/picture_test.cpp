@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <random>
 #include <set>
 
 #include "png.hpp"
@@ -151,6 +152,7 @@ TEST(HeatMap, ManyPanelsOddShapesAndDots) {
   map.panels[1].title = "b";
   map.title = "all $(true) \\";
   map.panels[0].dots = {{1, 1}, {2, 3.5}};
+  map.panels[2].title = map.x_label = "d'a''b";
   recon::draw(folder / "a.png", map);
   map.columns = 2;
   map.scale = 2;
@@ -170,6 +172,51 @@ TEST(HeatMap, ConstantAndEmptyFields) {
     recon::draw(folder / "a.png", map);
     EXPECT_GT(colours(decode_png(bytes_of(folder / "a.png"))), 5u);
   }
+}
+
+// One node of a hundred is far away: the colours are those of the others, and the picture says so.
+TEST(HeatMap, OutliersDoNotSpoilTheColours) {
+  const TemporaryFolder folder;
+  HeatMap map;
+  map.panels = {panel(10, 10)};
+  EXPECT_EQ(recon::colour_scale(map).range, (recon::Range{0, 99}));
+  EXPECT_EQ(recon::describe_beyond(recon::colour_scale(map)), "");
+  recon::draw(folder / "plain.png", map);
+  map.panels[0].values[57] = 1e6;
+  recon::ColourScale scale = recon::colour_scale(map);
+  EXPECT_EQ(scale.range, (recon::Range{0, 99}));
+  EXPECT_EQ(scale.above, 1u);
+  EXPECT_EQ(scale.below, 0u);
+  EXPECT_EQ(recon::describe_beyond(scale), "beyond the colours: 1 node above, up to 1e+06");
+  recon::draw(folder / "spoilt.png", map);
+  const Image plain = decode_png(bytes_of(folder / "plain.png"));
+  const Image image = decode_png(bytes_of(folder / "spoilt.png"));
+  EXPECT_GT(image.height, plain.height);      // a line of text
+  for (std::size_t y = 40; y < 240; y += 13)  // above the row of the outlier
+    for (std::size_t x = 85; x < 640; x += 13)
+      ASSERT_EQ(image.pixel(x, y), plain.pixel(x, y)) << x << ' ' << y;
+  map.panels[0].values[3] = -1e3;
+  scale = recon::colour_scale(map);
+  EXPECT_EQ(recon::describe_beyond(scale),
+            "beyond the colours: 1 node above, up to 1e+06; 1 node below, down to -1000");
+  map.colour_range = {{-1e3, 1e6}};
+  EXPECT_EQ(recon::describe_beyond(recon::colour_scale(map)), "");
+}
+
+// What is no outlier: the ends of a normal distribution, and what differs from a constant.
+TEST(HeatMap, WhatIsNoOutlier) {
+  HeatMap map;
+  map.panels = {panel(100, 100)};
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (double& value : map.panels[0].values) value = normal(random);
+  EXPECT_EQ(recon::describe_beyond(recon::colour_scale(map)), "");
+  for (double& value : map.panels[0].values) value = 2;
+  map.panels[0].values[17] = 3;
+  EXPECT_EQ(recon::colour_scale(map).range, (recon::Range{2, 3}));
+  map.panels = {panel(19, 1)};
+  map.panels[0].values[3] = 1e6;
+  EXPECT_EQ(recon::describe_beyond(recon::colour_scale(map)), "");
 }
 
 TEST(HeatMap, OneDimensionIsDrawnAsCurves) {
@@ -244,11 +291,80 @@ TEST(LinePlot, Svg) {
   EXPECT_TRUE(text.starts_with("<?xml"));
   EXPECT_NE(text.find("degree 2"), std::string::npos);
   EXPECT_NE(text.find("u_h"), std::string::npos);
+  LinePlot quotes = convergence();
+  quotes.title = quotes.curves[0].name = "d'a''b";
+  quotes.curves[1].name = "1.5\\`77@8\\91_{2}^3 -0.25";
+  recon::draw(folder / "a.svg", quotes);
+  EXPECT_NE(bytes_of(folder / "a.svg").find("d'a''b"), std::string::npos);
+  EXPECT_NE(bytes_of(folder / "a.svg").find(quotes.curves[1].name), std::string::npos);
   HeatMap map;
   map.panels = {panel(3, 3)};
   recon::draw(folder / "b.svg", map);
   EXPECT_NE(bytes_of(folder / "b.svg").find("data:image/png;base64"), std::string::npos);
   EXPECT_EQ(folder.entries(), 2u);
+}
+
+std::size_t pixels(const Image& image, std::array<int, 3> colour, std::size_t left,
+                   std::size_t right) {
+  std::size_t count = 0;
+  for (std::size_t y = 0; y < image.height; ++y)
+    for (std::size_t x = left; x < right; ++x) count += image.pixel(x, y) == colour ? 1 : 0;
+  return count;
+}
+
+constexpr std::array<int, 3> blue{0x00, 0x72, 0xb2}, vermilion{0xd5, 0x5e, 0x00},
+    green{0x00, 0x9e, 0x73};
+
+LinePlot three_times_the_same(recon::CurveStyle style, std::size_t points) {
+  LinePlot plot;
+  for (const char* name : {"a", "b", "c"}) {
+    recon::Curve curve{name, {}, {}, style};
+    for (std::size_t i = 0; i < points; ++i) {
+      curve.x.push_back(static_cast<double>(i));
+      curve.y.push_back(std::sin(0.1 * curve.x.back()));
+    }
+    plot.curves.push_back(curve);
+  }
+  return plot;
+}
+
+TEST(LinePlot, CurvesThatCoincideShow) {
+  const TemporaryFolder folder;
+  for (const auto style : {recon::CurveStyle::line, recon::CurveStyle::line_and_markers})
+    for (const std::size_t points : {std::size_t{12}, std::size_t{200}}) {
+      recon::draw(folder / "a.png", three_times_the_same(style, points));
+      const Image image = decode_png(bytes_of(folder / "a.png"));
+      for (const auto& colour : {blue, vermilion, green})  // left of the legend
+        EXPECT_GT(pixels(image, colour, 100, 760), 20u) << points;
+    }
+}
+
+// Between its parts a curve leaves nothing, on either axis; a point by itself is shown.
+TEST(LinePlot, GapsAreGaps) {
+  const TemporaryFolder folder;
+  LinePlot plot;
+  plot.x_range = {{0, 10}};
+  plot.y_range = {{0, 10}};
+  for (const bool x : {false, true}) {
+    recon::Curve curve{"", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, {}, recon::CurveStyle::line};
+    curve.y = curve.x;
+    for (const std::size_t i : {3u, 4u, 6u, 7u}) (x ? curve.x : curve.y)[i] = nan;
+    plot.curves = {curve};
+    recon::draw(folder / "a.png", plot);
+    const Image image = decode_png(bytes_of(folder / "a.png"));
+    const auto shown = [&](double from, double to) {
+      const double left = 90, right = 900;  // roughly what the axis spans
+      return pixels(image, blue, static_cast<std::size_t>(left + from * (right - left) / 10),
+                    static_cast<std::size_t>(left + to * (right - left) / 10));
+    };
+    EXPECT_GT(shown(0, 1.7), 20u);
+    EXPECT_EQ(shown(2.5, 4.4), 0u);
+    EXPECT_GT(shown(4.5, 5.5), 5u);
+    EXPECT_EQ(shown(5.6, 7.4), 0u);
+    EXPECT_GT(shown(8.3, 10), 20u);
+  }
+  for (double& y : plot.curves[0].y) y = nan;
+  recon::draw(folder / "a.png", plot);  // a curve without any point
 }
 
 // On a logarithmic axis that begins anywhere a label stands where its number is.
@@ -288,8 +404,8 @@ TEST(LinePlot, WrongInput) {
   plot.curves[1].y[2] = 0;
   expect(plot, "y of curve 'degree 2' = 0: must be positive on a logarithmic axis");
   plot = convergence();
-  plot.curves[0].x[0] = nan;
-  expect(plot, "x of curve 'degree 1' = nan");
+  plot.curves[0].x[0] = infinity;
+  expect(plot, "x of curve 'degree 1' = inf");
   plot = convergence();
   plot.curves[0].x.pop_back();
   expect(plot, "number of y values");

@@ -41,8 +41,7 @@ TEST(Comparison, EveryMethodRunsEveryProblemOrSaysWhyNot) {
         std::visit(
             [](auto file) {
               Simulation simulation(file.problem);
-              simulation.map();
-              simulation.advance(simulation.choose_step().dt / 10);
+              simulation.step(simulation.choose_step().dt / 10);
               simulation.map();
               for (const auto& v : simulation.nodes().mapped) EXPECT_TRUE(v.allFinite());
             },

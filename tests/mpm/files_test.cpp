@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "mpm/support.hpp"
 #include "recon/io/read.hpp"
@@ -122,7 +123,8 @@ TEST_F(MpmFiles, MistakesNameFileLineKeyAndChoices) {
   EXPECT_THAT(message(with("\"0.1 * X\"", "\"1 / (X - X)\"")), HasSubstr("not finite"));
   EXPECT_THAT(message(with("at = 0", "at = 0.05")), HasSubstr("plane of nodes"));
   EXPECT_THAT(message(with("axis = \"x\"", "axis = \"z\"")), HasSubstr("'x' or 'y'"));
-  EXPECT_THAT(message(with("end = 0.5", "end = 0")), HasSubstr("time.end: must be positive"));
+  EXPECT_THAT(message(with("end = 0.5", "end = 0")),
+              HasSubstr("time.end: end = 0: must be positive"));
   EXPECT_THAT(message(with("upper = [1.0, 1.0]", "upper = [1.03, 1.0]")),
               HasSubstr("whole number of cells"));
   EXPECT_THAT(message(with("[grid]", "[grid")), HasSubstr("p.toml:2"));
@@ -248,10 +250,7 @@ TEST_F(MpmFiles, BodyForceByExpression) {
     for (auto& v : file.problem.particles.v) v.setZero();
     for (auto& L : file.problem.particles.L) L.setZero();
     Simulation<2> simulation(file.problem);
-    for (int s = 0; s < 10; ++s) {
-      simulation.map();
-      simulation.advance(0.01);
-    }
+    for (int s = 0; s < 10; ++s) simulation.step(0.01);
     Vector<2> sum = Vector<2>::Zero();
     for (std::size_t p = 0; p < simulation.particles().size(); ++p)
       sum += simulation.particles().mass[p] * simulation.particles().v[p];
@@ -266,6 +265,133 @@ TEST_F(MpmFiles, BodyForceByExpression) {
   double expected = 0;  // kicks: half a step at t = 0, then whole ones at 0.01, ..., 0.09
   for (int s = 1; s < 10; ++s) expected += 0.01 * 3 * 0.01 * s;
   EXPECT_NEAR(growing[0], mass * expected, 1e-12 * mass);
+}
+
+// One number, that assigns nothing.
+TEST_F(MpmFiles, FormulasAreOneNumber) {
+  EXPECT_THAT(message(with("\"0.1 * X\"", "\"1,5\"")),
+              AllOf(HasSubstr("p.toml:14: body 1.velocity"), HasSubstr("a list of 2")));
+  EXPECT_THAT(message(with("\"0.1 * X\"", "\"X = 5\"")), HasSubstr("assigns nothing"));
+  EXPECT_THAT(message(with("\"0.1 * X\"", "\"X += 5\"")), HasSubstr("assigns nothing"));
+  EXPECT_THAT(message(with("\"0.1 * X\"", "\"\"")), HasSubstr("empty"));
+  EXPECT_EQ(message(with("\"0.1 * X\"", "\"max(1, 5) * (X >= 0.3) + (X == 2)\"")), "");
+}
+
+TEST_F(MpmFiles, ConstantsMayBeFormulasOfOthers) {
+  const auto velocity = [](const std::string& constants) {
+    const auto file = std::get<ProblemFile<2>>(
+        read_problem_text(with("\"0.1 * X\"", "\"A\"") + constants, "p.toml"));
+    return file.problem.particles.v[0][1];
+  };
+  EXPECT_EQ(velocity("[constants]\nB = 2\nA = \"3 * B + pi - pi\"\n"), 6);
+  EXPECT_EQ(velocity("[constants]\nA = \"2 * Z1\"\nZ1 = \"B\"\nB = 4\n"), 8);
+  const auto wrong = [&](const std::string& constants) {
+    return message(good + "[constants]\n" + constants);
+  };
+  EXPECT_THAT(wrong("A = \"B\"\nB = \"A\"\n"), HasSubstr("constants.A: 'B'"));
+  EXPECT_THAT(wrong("A = \"2 * X\"\n"), HasSubstr("constants.A: '2 * X'"));
+  EXPECT_THAT(wrong("A = \"1 / 0\"\n"), HasSubstr("not finite"));
+  EXPECT_THAT(wrong("A = true\n"), HasSubstr("a number is needed"));
+  EXPECT_THAT(wrong("A = \"1, 2\"\n"), HasSubstr("a list of 2"));
+  EXPECT_THAT(wrong("X = 3\n"), HasSubstr("constants.X: 'X' has a meaning"));
+  EXPECT_THAT(wrong("pi = 3\n"), HasSubstr("'pi' has a meaning"));
+  EXPECT_THAT(wrong("a-b = 3\n"), HasSubstr("constants.a-b"));
+}
+
+// Copies of one problem with formulas, one after the other and all at once: the same bits.
+TEST_F(MpmFiles, CopiesOfAProblemRunSideBySide) {
+  const std::string text =
+      good + "[loads]\nbody_force = [\"0.2 * sin(6 * X) * cos(3 * Y)\", \"0.2 * X * y + t\"]\n";
+  const Problem<2> problem = std::get<ProblemFile<2>>(read_problem_text(text, "p.toml")).problem;
+  const auto go = [](Problem<2> copy) {
+    Simulation<2> simulation(std::move(copy));
+    for (int s = 0; s < 40; ++s) simulation.step(0.002);
+    return simulation.particles().x;
+  };
+  const auto alone = go(problem);
+  std::vector<std::vector<Vector<2>>> results(4);
+  std::vector<std::thread> threads;
+  for (auto& result : results) threads.emplace_back([&] { result = go(problem); });
+  for (auto& thread : threads) thread.join();
+  for (const auto& result : results)
+    EXPECT_EQ(0, std::memcmp(result.data(), alone.data(), alone.size() * sizeof(Vector<2>)));
+}
+
+// No body is cut by the border of the grid, whatever its shape.
+TEST_F(MpmFiles, BodiesLieInTheGrid) {
+  const auto of = [&](const std::string& body) {
+    return message(with("shape = \"box\"\nlower = [0.2, 0.2]\nupper = [0.4, 0.4]", body));
+  };
+  EXPECT_THAT(of("shape = \"box\"\nlower = [0.9, 0.4]\nupper = [1.1, 0.6]"),
+              AllOf(HasSubstr("p.toml:11: body 1.shape"), HasSubstr("(0.9, 0.4) to (1.1, 0.6)"),
+                    HasSubstr("the grid"), HasSubstr("no body is cut")));
+  EXPECT_THAT(of("shape = \"disk\"\ncentre = [0.1, 0.5]\nradius = 0.2"),
+              HasSubstr("no body is cut"));
+  EXPECT_THAT(of("shape = \"ring\"\ncentre = [0.1, 0.5]\ninner = 0.1\nouter = 0.2\nlayout = "
+                 "\"polar\""),
+              HasSubstr("no body is cut"));
+  EXPECT_THAT(of("shape = \"polygon\"\nwkt = \"POLYGON((0.2 0.2, 0.5 0.2, 0.2 1.5))\""),
+              HasSubstr("no body is cut"));
+  std::ofstream(folder_ / "points.csv") << "x,y\n0.5,0.5\n1.01,0.5\n";
+  EXPECT_THAT(of("shape = \"file\"\nfile = \"points.csv\"\nvolume = 0.01"),
+              AllOf(HasSubstr("body 1.file"), HasSubstr("must lie in the grid")));
+  // On the border, up to rounding, is in the grid.
+  EXPECT_EQ(of("shape = \"disk\"\ncentre = [0.2, 0.2]\nradius = 0.2"), "");
+  EXPECT_EQ(of("shape = \"box\"\nlower = [0, 0]\nupper = [1.00000000001, 1]"), "");
+}
+
+TEST_F(MpmFiles, WhatAFileSaysIsCheckedByTheProblem) {
+  EXPECT_THAT(message(with("poisson = 0.3", "poisson = 0.5")), HasSubstr("material.poisson"));
+  EXPECT_THAT(message(with("density = 1000", "density = -1")),
+              HasSubstr("p.toml:9: material.density: density = -1: must be positive"));
+  EXPECT_THAT(message(with("at = 0", "at = 0.123")),
+              HasSubstr("p.toml:17: boundary 1.at: place of a boundary"));
+  EXPECT_THAT(message(good + "courant = 0\n"), HasSubstr("time.courant: courant = 0: must be"));
+  EXPECT_THAT(message(good + "rule = \"fixed\"\nstep = -1\n"), HasSubstr("time.step: step = -1"));
+  EXPECT_THAT(message(good + "[limits]\nsteps = 0\n"), HasSubstr("limits."));
+}
+
+// A run says what it expects, and is refused where that is too much.
+TEST_F(MpmFiles, TooMuchIsRefusedWithNumbers) {
+  const auto refusal = [&](const std::string& more, std::vector<std::string> settings = {}) {
+    try {
+      const AnyProblem any = read_problem_text(good + more, "p.toml", settings);
+      run(std::get<ProblemFile<2>>(any), {.folder = folder_ / "out"});
+    } catch (const InvalidArgument& error) {
+      return std::string(error.what());
+    } catch (const FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refusal("rule = \"fixed\"\nstep = 1e-300\n"),
+              AllOf(HasSubstr("steps = 5e+299"), HasSubstr("1e+09")));
+  EXPECT_THAT(refusal("rule = \"fixed\"\nstep = 1e-6\n", {"limits.steps=1000"}),
+              AllOf(HasSubstr("steps = 5e+05"), HasSubstr("limit of 1e+03")));
+  EXPECT_THAT(refusal("", {"limits.memory=10000"}), HasSubstr("memory = "));
+  EXPECT_THAT(refusal("", {"limits.memory=100"}), HasSubstr("particles of a body = "));
+  EXPECT_THAT(refusal("", {"grid.cells=30000", "body.particles=100"}),
+              HasSubstr("more than there is memory for"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  EXPECT_EQ(refusal("", {"end=0.01"}), "");
+}
+
+TEST_F(MpmFiles, AForecastIsTrue) {
+  EXPECT_EQ(message(good), "");
+  auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+  file.problem.time.end = 0.02;
+  Forecast told;
+  const RunResult result =
+      run(file, {.folder = folder_ / "out", .begins = [&](const Forecast& f) { told = f; }});
+  EXPECT_EQ(told.particles, 16u);
+  EXPECT_EQ(told.nodes, 121u);
+  EXPECT_NEAR(told.steps, static_cast<double>(result.steps), 1);
+  EXPECT_NEAR(told.step.dt, result.longest_step, 0.5 * told.step.dt);
+  EXPECT_GT(told.memory, 16 * 200);
+  EXPECT_TRUE(told.warnings.empty());
+  file.problem.time.courant = 1.5;  // longer than cpls bears
+  ASSERT_EQ(forecast(file.problem).warnings.size(), 1u);
+  EXPECT_THAT(forecast(file.problem).warnings[0], HasSubstr("cpls"));
 }
 
 TEST_F(MpmFiles, BoundaryVelocities) {

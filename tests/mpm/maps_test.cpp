@@ -196,7 +196,7 @@ TYPED_TEST(ConsistentMass, KeepsLinearFields) {
         EXPECT_LE((simulation.nodes().mapped[i] - field(problem.grid.position(i))).norm(), 1e-10)
             << name_of(method.basis) << " " << name_of(method.domain) << " node " << i;
       }
-    simulation.advance(1e-3);
+    simulation.step(1e-3);
     for (std::size_t p = 0; p < problem.particles.size(); ++p) {
       EXPECT_LE((simulation.particles().L[p] - field.slope).norm(), 1e-9);
       EXPECT_LE((simulation.particles().v[p] - problem.particles.v[p]).norm(), 1e-10);
@@ -401,7 +401,7 @@ TEST(NegativeMasses, ComeToNineNodeElementsByCrossing) {
     simulation.map();
     EXPECT_FALSE(simulation.negative_mass()) << name;
     for (int s = 0; s < 40; ++s) {
-      simulation.advance(0.05);
+      simulation.step(0.05);
       simulation.map();
     }
     return simulation;
@@ -610,7 +610,7 @@ TYPED_TEST(SlopeMaps, KeepLinearFields) {
         EXPECT_LE((simulation.nodes().mapped[i] - field(problem.grid.position(i))).norm(), 1e-11)
             << method.name;
       }
-    simulation.advance(1e-4);
+    simulation.step(1e-4);
     for (std::size_t p = 0; p < problem.particles.size(); ++p) {
       EXPECT_LE((simulation.particles().v[p] - problem.particles.v[p]).norm(), 1e-11)
           << method.name;
@@ -647,7 +647,7 @@ TYPED_TEST(SlopeMaps, ApicCarriesTheSlope) {
     if (D == 2) {
       EXPECT_NEAR(account(simulation).angular[2], spin, 1e-12) << name_of(basis);
     }
-    simulation.advance(1e-4);
+    simulation.step(1e-4);
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
       for (int d = 0; d < D; ++d) {
         const Vector<D>& c = simulation.particles().modes[p * D + static_cast<std::size_t>(d)];
@@ -725,7 +725,7 @@ TYPED_TEST(Turning, ApicConservesAngularMomentum) {
           due.angular[1] -= x[D - 1] * lost[0] - x[0] * lost[D - 1];
         }
       }
-      simulation.advance(0.01);
+      simulation.step(0.01);
       simulation.map();
       const Ledger now = account(simulation);
       EXPECT_LE(distance(now.momentum, due.momentum), 1e-12 * size) << method.name;
@@ -756,8 +756,7 @@ TYPED_TEST(SlopeMaps, MlsMpmStrainsByTheAffinePart) {
   constexpr int D = TypeParam::value;
   Problem<D> problem = cloud<D>(8, 0.25, 0.75, method_named("mls_mpm"), 2);
   Simulation<D> simulation(problem);
-  simulation.map();
-  simulation.advance(1e-4);
+  simulation.step(1e-4);
   for (std::size_t p = 0; p < problem.particles.size(); ++p)
     for (int d = 0; d < D; ++d) {
       const Vector<D>& slope = simulation.particles().modes[p * D + static_cast<std::size_t>(d)];
@@ -830,7 +829,7 @@ TYPED_TEST(SlopeMaps, PolypicHasTheClosedForms) {
     }
     EXPECT_EQ(touched, modes);
     // And back: nothing is lost for any values at its 3^D nodes.
-    simulation.advance(1e-9);
+    simulation.step(1e-9);
     EXPECT_LE((simulation.particles().v[0] - particles.v[0]).norm(), 1e-11);
     for (std::size_t r = 0; r + 1 < modes; ++r)
       EXPECT_LE((simulation.particles().modes[r] - particles.modes[r]).norm(),
@@ -852,8 +851,7 @@ TEST(Polypic, LosesNothingOfAParticleAlone) {
     // A map to the nodes by all particles; then one particle alone takes it from there.
     Problem<2> alone = problem;
     Simulation<2> all(problem);
-    all.map();
-    all.advance(1e-9);
+    all.step(1e-9);
     const std::size_t p = 12, count = all.particles().modes.size() / all.particles().size();
     alone.particles = {};
     alone.particles.add(problem.particles.x[p], problem.particles.half_edges[p], 1000, 0);
@@ -885,7 +883,7 @@ TEST(Polypic, DriftMakesNoEnergy) {
   simulation.map();
   const double start = account(simulation).node_kinetic;
   for (int s = 0; s < 150; ++s) {
-    simulation.advance(0.01);
+    simulation.step(0.01);
     simulation.map();
     EXPECT_LE(account(simulation).node_kinetic, start * 1.001);
   }
@@ -903,10 +901,7 @@ TEST(Filters, OfOrderOneArePic) {
     }));
     problem.boundaries = {{0, 0, {0.0, 0.0}}};
     Simulation<2> simulation(problem);
-    for (int s = 0; s < 30; ++s) {
-      simulation.map();
-      simulation.advance(0.01);
-    }
+    for (int s = 0; s < 30; ++s) simulation.step(0.01);
     results.push_back(simulation.particles().x);
     results.push_back(simulation.particles().v);
   }
@@ -940,8 +935,7 @@ TYPED_TEST(SlopeMaps, FmpmTendsToTheConsistentMass) {
   const Eigen::MatrixXd exact = rows<D>(consistent.nodes().mapped);
   const auto error = [&](int order) {
     Simulation<D> simulation(make(order));
-    simulation.map();
-    simulation.advance(1e-9);
+    simulation.step(1e-9);
     const Eigen::MatrixXd difference = rows<D>(simulation.nodes().velocity) - exact;
     return (lumped.cwiseSqrt().asDiagonal() * difference).norm();
   };
@@ -973,8 +967,7 @@ TEST(Filters, KeepFieldsOfTheGrid) {
         for (auto& value : values) value = random_vector<2>(random);
         give_rows<2>(shape_matrix(problem) * rows<2>(values), problem.particles.v);
         Simulation<2> simulation(problem);
-        simulation.map();
-        simulation.advance(1e-9);
+        simulation.step(1e-9);
         return (rows<2>(simulation.particles().v) - rows<2>(problem.particles.v)).norm();
       };
       EXPECT_GE(error(1), 1) << name;
@@ -1019,10 +1012,7 @@ TEST(RungeKutta, IsOfFourthOrder) {
         problem.particles.v[p][0] = 0.02 * std::sin(3 * problem.particles.x[p][0] + 0.3);
       problem.boundaries = {{0, 0, {0.0}}, {0, 1, {0.0}}};
       Simulation<1> simulation(problem);
-      for (int s = 0; s < steps; ++s) {
-        simulation.map();
-        simulation.advance(0.5 / steps);
-      }
+      for (int s = 0; s < steps; ++s) simulation.step(0.5 / steps);
       results.push_back(rows<1>(simulation.particles().x));
     }
     return std::log2((results[0] - results[1]).norm() / (results[1] - results[2]).norm());
@@ -1060,10 +1050,7 @@ TEST(Methods, EveryCombinationKeepsAConstantVelocity) {
               Problem<2> problem = cloud<2>(4, lower, 1 - lower, method);
               for (auto& v : problem.particles.v) v << 0.03, -0.02;
               Simulation<2> simulation(problem);
-              for (int s = 0; s < 3; ++s) {
-                simulation.map();
-                simulation.advance(1e-3);
-              }
+              for (int s = 0; s < 3; ++s) simulation.step(1e-3);
               double error = 0;
               for (std::size_t p = 0; p < problem.particles.size(); ++p)
                 error =

@@ -22,10 +22,7 @@ INSTANTIATE_TEST_SUITE_P(Mpm, EveryMethod, testing::ValuesIn(all_methods()),
 
 template <int D>
 void run_steps(Simulation<D>& simulation, int steps, double dt) {
-  for (int s = 0; s < steps; ++s) {
-    simulation.map();
-    simulation.advance(dt);
-  }
+  for (int s = 0; s < steps; ++s) simulation.step(dt);
 }
 
 // A block that flies through the grid stays as it is: crossing cells, particles exactly on
@@ -94,7 +91,7 @@ TEST(Elements, WithStressBreakWhenAMassChangesItsSign) {
         if (!simulation.sign_change()) {
           EXPECT_LE(error(simulation), 1e-12) << method << " step " << s;
         }
-        simulation.advance(0.01);
+        simulation.step(0.01);
       }
     } catch (const Failure&) {
     }
@@ -144,7 +141,7 @@ TEST_P(EveryMethod, MassAndMomentum) {
       defect = std::max(defect, distance(now.momentum, now.node_momentum));
       EXPECT_NEAR(now.total() - start.total(), -now.interpolation_error - now.algorithmic_error,
                   1e-10 * start.total());
-      simulation.advance(0.01);
+      simulation.step(0.01);
     }
     const double size = start.mass * 0.2;
     EXPECT_LE(defect, (!fitted || corrected ? 1e-9 : 0.2) * size) << GetParam();
@@ -194,23 +191,6 @@ TEST(Steps, RulesAndTheParticleThatLimits) {
   EXPECT_EQ(Simulation<2>(problem).choose_step().dt, 0.0123);
 }
 
-// A falling block: gravity to the second order from the first step on.
-TEST(Forces, GravityIsExactForFreeFall) {
-  for (const char* method : {"mpm", "impm", "cpls"}) {
-    Problem<2> problem = block<2>(10, 0.5, 0.9, method);
-    problem.gravity << 0.5, -1;
-    const Vector<2> start = problem.particles.x[0];
-    Simulation<2> simulation(problem);
-    for (const double dt : {0.01, 0.02, 0.005, 0.01, 0.015}) {
-      simulation.map();
-      simulation.advance(dt);
-    }
-    const double t = simulation.time();
-    EXPECT_LE((simulation.particles().x[0] - start - problem.gravity * (t * t / 2)).norm(), 1e-13)
-        << method;
-  }
-}
-
 // The momentum after the first half kick is force times half a step.
 TEST(Forces, PointLoadPushesTheMass) {
   Problem<1> problem = block<1>(10, 0.2, 0.6);
@@ -218,31 +198,9 @@ TEST(Forces, PointLoadPushesTheMass) {
   Simulation<1> simulation(problem);
   simulation.map();
   const double mass = account(simulation).mass;
-  simulation.advance(0.001);
+  simulation.step(0.001);
   simulation.map();
   EXPECT_NEAR(account(simulation).momentum[0], 2.0 * 0.001 / 2, 1e-12 * mass);
-}
-
-TEST(Boundaries, HoldWhatTheySay) {
-  Problem<2> problem = block<2>(8, 0, 1);
-  for (auto& v : problem.particles.v) v << 1, 2;
-  Boundary<2> fixed, roller, driven;
-  fixed.velocity = {0.0, 0.0};
-  roller.axis = 1;
-  roller.at = 1;
-  roller.velocity[1] = 0.0;
-  driven.at = 1;
-  driven.velocity[0] = 0.25;
-  problem.boundaries = {fixed, roller, driven};
-  Simulation<2> simulation(problem);
-  simulation.map();
-  const auto& nodes = simulation.nodes();
-  for (std::size_t i = 0; i < problem.grid.size(); ++i) {
-    const Vector<2> x = problem.grid.position(i), v = nodes.velocity[i];
-    EXPECT_NEAR(v[0], x[0] == 0 ? 0 : x[0] == 1 ? 0.25 : 1, 1e-12);
-    EXPECT_NEAR(v[1], x[0] == 0 || x[1] == 1 ? 0 : 2, 1e-12);
-    EXPECT_LE((nodes.mapped[i] - Vector<2>(1, 2)).norm(), 1e-12);
-  }
 }
 
 TEST(Failures, NameTheParticleAndTheStep) {
@@ -263,14 +221,129 @@ TEST(Failures, NameTheParticleAndTheStep) {
     problem.particles.v[p][0] = problem.particles.x[p][0] < 0.4 ? 1 : -1;
   Simulation<2> crushed(problem);
   crushed.map();
-  EXPECT_THROW(crushed.advance(0.3), Failure);
+  EXPECT_THROW(crushed.step(0.3), Failure);
   // A velocity that is not a number.
   problem = block<2>(10, 0.2, 0.6);
   Simulation<2> poisoned(problem);
   poisoned.map();
-  EXPECT_THROW(poisoned.advance(std::nan("")), InvalidArgument);
+  EXPECT_THROW(poisoned.step(std::nan("")), InvalidArgument);
   problem.particles.v[5][0] = std::nan("");
   EXPECT_THROW(Simulation<2>{problem}, InvalidArgument);
+}
+
+// A step is a step, whether its nodes were looked at before or not, and however often.
+TEST_P(EveryMethod, LookingAtTheNodesChangesNothing) {
+  const auto go = [&](int looks) {
+    Simulation<2> simulation(collision(GetParam()));
+    for (int s = 0; s < 5; ++s) {
+      for (int look = 0; look < looks; ++look) simulation.map();
+      simulation.step(0.01);
+    }
+    return simulation.particles();
+  };
+  const Particles<2> never = go(0), once = go(1), often = go(3);
+  EXPECT_EQ(never.x, once.x);
+  EXPECT_EQ(never.v, once.v);
+  EXPECT_EQ(never.stress, once.stress);
+  EXPECT_EQ(once.x, often.x);
+}
+
+std::string complaint(const auto& work) {
+  try {
+    work();
+  } catch (const InvalidArgument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(States, AreOfOneTime) {
+  Simulation<2> simulation(block<2>(10, 0.2, 0.6));
+  EXPECT_NE(complaint([&] { simulation.nodes(); }), "");
+  EXPECT_NE(complaint([&] { simulation.cells(); }), "");
+  EXPECT_NE(complaint([&] { account(simulation); }), "");
+  simulation.map();
+  EXPECT_EQ(complaint([&] { account(simulation); }), "");
+  simulation.step(0.001);
+  simulation.nodes();                                      // of the step
+  EXPECT_NE(complaint([&] { account(simulation); }), "");  // energies of two times
+  for (const double dt : {0.0, -1.0, double(INFINITY), double(NAN)})
+    EXPECT_NE(complaint([&] { simulation.step(dt); }), "") << dt;
+  // 0.001 + 1e-30 is 0.001.
+  EXPECT_NE(complaint([&] { simulation.step(1e-30); }).find("clock"), std::string::npos);
+  simulation.step(0.001);  // a refused step has changed nothing
+  EXPECT_EQ(simulation.steps(), 2);
+}
+
+TEST(States, EndWithAFailure) {
+  Problem<2> problem = block<2>(10, 0.2, 0.6);
+  for (std::size_t p = 0; p < problem.particles.size(); ++p)
+    problem.particles.v[p][0] = problem.particles.x[p][0] < 0.4 ? 1 : -1;
+  Simulation<2> simulation(problem);
+  EXPECT_THROW(simulation.step(0.3), Failure);
+  EXPECT_NE(complaint([&] { simulation.step(0.001); }), "");
+  EXPECT_NE(complaint([&] { simulation.map(); }), "");
+  EXPECT_NE(complaint([&] { account(simulation); }), "");
+  simulation.restore(problem.particles, 0, 0, 0);
+  simulation.step(0.001);
+  Simulation<2> fresh(problem);
+  fresh.step(0.001);
+  EXPECT_EQ(simulation.particles().x, fresh.particles().x);
+  EXPECT_EQ(simulation.steps(), 1);
+}
+
+// Every array of a restart, too short, too long, and with a value that is none; the simulation
+// stays as it was.
+TEST(States, RestoreChecksEveryArray) {
+  for (const char* method : {"mpm", "cpdi2", "polypic"}) {
+    Simulation<2> simulation(block<2>(10, 0.2, 0.4, method));
+    simulation.step(0.001);
+    const Particles<2> good = simulation.particles();
+    int arrays = 0;
+    const auto refused = [&](const auto& member) {
+      ++arrays;
+      for (const int how : {0, 1, 2}) {
+        Particles<2> bad = good;
+        auto& array = bad.*member;
+        if (how == 0) array.pop_back();
+        if (how == 1) array.push_back(array.back());
+        if (how == 2) {
+          using Value = std::decay_t<decltype(array[0])>;
+          if constexpr (std::is_same_v<Value, double>)
+            array[3] = NAN;
+          else if constexpr (std::is_same_v<Value, std::int32_t>)
+            array[3] = -1;
+          else if constexpr (requires { array[3].setConstant(NAN); })
+            array[3].setConstant(NAN);
+          else
+            array[3][1][0] = NAN;
+        }
+        EXPECT_NE(complaint([&] { simulation.restore(bad, 1, 1, 0.1); }), "")
+            << method << " array " << arrays << " case " << how;
+      }
+    };
+    refused(&Particles<2>::X);
+    refused(&Particles<2>::x);
+    refused(&Particles<2>::v);
+    refused(&Particles<2>::F);
+    refused(&Particles<2>::L);
+    refused(&Particles<2>::stress);
+    refused(&Particles<2>::half_edges);
+    refused(&Particles<2>::mass);
+    refused(&Particles<2>::volume0);
+    refused(&Particles<2>::energy);
+    refused(&Particles<2>::body);
+    if (!good.corners.empty()) refused(&Particles<2>::corners);
+    if (!good.modes.empty()) refused(&Particles<2>::modes);
+    for (const double time : {-1.0, double(NAN), double(INFINITY)}) {
+      EXPECT_NE(complaint([&] { simulation.restore(good, time, 1, 0.1); }), "");
+      EXPECT_NE(complaint([&] { simulation.restore(good, 1, 1, time); }), "");
+    }
+    EXPECT_NE(complaint([&] { simulation.restore(good, 1, -1, 0.1); }), "");
+    EXPECT_EQ(simulation.steps(), 1);
+    simulation.restore(good, 1, 7, 0.1);
+    EXPECT_EQ(simulation.steps(), 7);
+  }
 }
 
 TEST(Problems, AreChecked) {
@@ -286,12 +359,50 @@ TEST(Problems, AreChecked) {
   };
   EXPECT_EQ(blamed([](auto&) {}), "");
   EXPECT_EQ(blamed([](auto& p) { p.particles = {}; }), "particles");
-  EXPECT_EQ(blamed([](auto& p) { p.particles.x[3][0] = 2; }), "position of a particle");
-  EXPECT_EQ(blamed([](auto& p) { p.particles.mass[3] = 0; }), "mass of a particle");
-  EXPECT_EQ(blamed([](auto& p) { p.particles.body[3] = 1; }), "body of a particle");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.x[3][0] = 2; }), "position of particle 3");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.mass[3] = 0; }), "mass of particle 3");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.body[3] = 1; }), "body of particle 3");
   EXPECT_EQ(blamed([](auto& p) { p.boundaries.push_back({0, 0.123, {}}); }), "place of a boundary");
   EXPECT_EQ(blamed([](auto& p) { p.method.degree = 3; }), "degree of the method");
   EXPECT_EQ(blamed([](auto& p) { p.time.courant = 0; }), "courant");
+  EXPECT_EQ(blamed([](auto& p) { p.time.end = NAN; }), "end");
+  EXPECT_EQ(blamed([](auto& p) { p.time.rule = StepRule::fixed; }), "step");
+  EXPECT_EQ(blamed([](auto& p) { p.threads = -1; }), "threads");
+  EXPECT_EQ(blamed([](auto& p) { p.limits.steps = 0; }), "limit of steps");
+  EXPECT_EQ(blamed([](auto& p) { p.limits.memory = NAN; }), "limit of memory");
+  EXPECT_EQ(blamed([](auto& p) { p.grid = {}; }), "cells of the grid along an axis");
+  EXPECT_EQ(blamed([](auto& p) { p.gravity[1] = NAN; }), "gravity");
+  EXPECT_EQ(blamed([](auto& p) { p.materials[0] = NeoHookean{{1, 0}}; }), "mu");
+  EXPECT_EQ(blamed([](auto& p) { p.materials[0] = LinearElastic{{-1, 1}}; }), "lambda");
+  EXPECT_EQ(blamed([](auto& p) { p.materials[0] = LinearElastic{{NAN, 1}}; }), "lambda");
+  EXPECT_EQ(blamed([](auto& p) { p.materials.clear(); }), "densities");
+  EXPECT_EQ(blamed([](auto& p) { p.densities[0] = INFINITY; }), "density");
+  EXPECT_EQ(blamed([](auto& p) { p.boundaries.push_back({2, 0, {}}); }), "axis of a boundary");
+  EXPECT_EQ(blamed([](auto& p) {
+              p.boundaries.push_back({0, 0, {NAN}});
+            }),
+            "velocity of a boundary");
+  EXPECT_EQ(blamed([](auto& p) { p.loads.push_back({}); }), "particle of a load");
+  const auto one = [](double) { return 1.0; };
+  EXPECT_EQ(blamed([&](auto& p) {
+              p.loads.push_back({9999, {0, 1}, {0, 0}, one});
+            }),
+            "particle of a load");
+  EXPECT_EQ(blamed([&](auto& p) {
+              p.loads.push_back({0, {0, NAN}, {0, 0}, one});
+            }),
+            "direction of a load");
+  EXPECT_EQ(blamed([&](auto& p) {
+              p.loads.push_back({0, {0, 1}, {NAN, 0}, one});
+            }),
+            "area of a load");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.v.pop_back(); }), "v of the particles");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.L[2](0, 1) = NAN; }), "L of particle 2");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.F[2](0, 0) = -1; }), "det F of particle 2");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.half_edges[2].setZero(); }),
+            "half_edges of particle 2");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.corners.resize(1); }), "corners of the particles");
+  EXPECT_EQ(blamed([](auto& p) { p.particles.modes.resize(1); }), "modes of the particles");
 }
 
 }  // namespace

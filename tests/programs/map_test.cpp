@@ -46,7 +46,9 @@ class MapTest : public ProgramTest {
 
 TEST_F(MapTest, ReproducesALinearField) {
   write_cloud("cloud.csv", 800, false);
-  succeed("map cloud.csv --fields u --spacing 0.2 --radius 0.35 --limit none --out grid.csv");
+  succeed(
+      "map cloud.csv --fields u --spacing 0.2 --radius 0.35 --limit none --leverage 30 --out "
+      "grid.csv");
   EXPECT_EQ(first_line("grid.csv"), "x,y,z,u,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("grid.csv");
   ASSERT_EQ(grid.size(), 216u);
@@ -82,9 +84,50 @@ TEST_F(MapTest, ConstantZMeansTwoDimensions) {
   EXPECT_THAT(read("b.csv"), HasSubstr("reduced"));  // nothing is known across the plane
 }
 
+// A run in the plane y = 0.5: 2-D in x and z, in every name and file.
+TEST_F(MapTest, AnyTwoCoordinatesMakeTwoDimensions) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "x,y,z,u,vx,vy,vz\n";
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform;
+  for (int i = 0; i < 200; ++i) {
+    const double x = uniform(random), z = uniform(random);
+    text << x << ",0.5," << z << ',' << linear(x, 0.5, z) << ",3,0,4\n";
+  }
+  write("plane.csv", text.str());
+  const std::string map =
+      "map plane.csv --fields u,velocity --gradient --spacing 0.25 --radius 0.35 ";
+  for (const char* coordinates : {"", " --coordinates x,z"}) {
+    const std::string out = succeed(map + "--out a.csv --out a.vti" + coordinates);
+    EXPECT_THAT(out, HasSubstr(*coordinates == 0 ? "in 2-D (x and z; y = 0.5 for all)" : "in 2-D"));
+    EXPECT_THAT(out, HasSubstr("full degree at 25 (100 %)"));
+    EXPECT_EQ(first_line("a.csv"),
+              "x,z,u,du_dx,du_dz,velocity_x,velocity_z,dvx_dx,dvx_dz,dvz_dx,dvz_dz,neighbours,rank,"
+              "degree,status,limited");
+    const ParticleTable grid = table("a.csv");
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      EXPECT_NEAR(grid.column("u")[i], linear(grid.column("x")[i], 0.5, grid.column("z")[i]),
+                  1e-10);
+      EXPECT_NEAR(grid.column("du_dz")[i], 0.5, 1e-8);
+      EXPECT_NEAR(grid.column("velocity_z")[i], 4, 1e-10);
+    }
+    // In space it lies where the particles are.
+    const std::string vti = read("a.vti");
+    EXPECT_THAT(vti, HasSubstr("WholeExtent=\"0 4 0 0 0 4\""));
+    EXPECT_THAT(vti, HasSubstr(*coordinates == 0 ? "Origin=\"0 0.5 0\"" : "Origin=\"0 0 0\""));
+    EXPECT_THAT(vti, HasSubstr("Name=\"velocity\" NumberOfComponents=\"3\""));
+  }
+  write("points.csv", "x,y,z\n0.25,7,0.5\n0.75,8,0.5\n");
+  succeed("map plane.csv --fields u --radius 0.35 --targets points.csv --out at.csv --out at.vtp");
+  EXPECT_EQ(first_line("at.csv"), "x,z,u,neighbours,rank,degree,status,limited");
+  EXPECT_NEAR(table("at.csv").column("u")[1], linear(0.75, 0.5, 0.5), 1e-10);
+}
+
 TEST_F(MapTest, GradientsOfALinearField) {
   write_cloud("cloud.csv", 300, true);
-  succeed("map cloud.csv --fields u --spacing 0.25 --radius 0.3 --gradient --out g.csv");
+  succeed(
+      "map cloud.csv --fields u --spacing 0.25 --radius 0.3 --leverage 30 --gradient --out g.csv");
   EXPECT_EQ(first_line("g.csv"), "x,y,u,du_dx,du_dy,neighbours,rank,degree,status,limited");
   const ParticleTable grid = table("g.csv");
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -185,6 +228,44 @@ TEST_F(MapTest, DensityWithNearestNeighbours) {
   for (const double density : grid.column("number_density")) EXPECT_NEAR(density, 256, 16);
 }
 
+// Two kinds of particles at the same places, of masses 1 and 99: the mean by mass.
+TEST_F(MapTest, WeightByMass) {
+  std::string text = "x,y,mass,u\n";
+  for (int i = 0; i < 50; ++i)
+    for (const char* kind : {",1,0\n", ",99,1\n"})
+      text += std::to_string(i % 10) + "," + std::to_string(i / 10) + kind;
+  write("two.csv", text);
+  const std::string map =
+      "map two.csv --fields u,density --spacing 2 --radius 2.5 --method shepard --out a.csv";
+  succeed(map);
+  const ParticleTable plain = table("a.csv");
+  EXPECT_THAT(succeed(map + " --weight-by mass"), HasSubstr("times mass"));
+  const ParticleTable weighted = table("a.csv");
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_NEAR(plain.column("u")[i], 0.5, 1e-12);
+    EXPECT_NEAR(weighted.column("u")[i], 0.99, 1e-12);
+    EXPECT_EQ(weighted.column("density")[i], plain.column("density")[i]);
+  }
+  expect_failure("map two.csv --fields u --out b.csv --weight-by mas", 1, HasSubstr("'mass'"));
+  expect_failure("map two.csv --fields u --out b.csv --weight-by u", 2,
+                 testing::AllOf(HasSubstr("--weight-by u: 0 at row 0"), HasSubstr("positive")));
+}
+
+// The sum over the grid beside that of the particles, and a warning where nodes cannot see all.
+TEST_F(MapTest, SumsAreCompared) {
+  write_periodic("wave.dump", 16);
+  const std::string map = "map wave.dump --fields number_density --form tensor --out d.csv ";
+  std::string out = succeed(map + "--spacing 0.125 --radius 0.25");
+  EXPECT_THAT(out, HasSubstr("number_density: 256 over the grid, 256 of the particles"));
+  EXPECT_THAT(out, testing::Not(HasSubstr("warning")));
+  out = succeed(map + "--spacing 0.125 --radius 0.05");
+  EXPECT_THAT(out, HasSubstr("of the particles"));
+  EXPECT_THAT(out, HasSubstr("warning"));
+  EXPECT_THAT(out, HasSubstr("radius 0.05 is smaller than the spacing 0.125"));
+  out = succeed(map + "--spacing 0.125 --radius 0.25 --bounds 0,0.5,0,0.5");  // of a part
+  EXPECT_THAT(out, testing::Not(HasSubstr("of the particles")));
+}
+
 TEST_F(MapTest, FramesFromBothEnds) {
   EXPECT_THAT(succeed("map \"$CHUTE\" --frame 0 --fields vx --out a.csv"), HasSubstr("step 25000"));
   EXPECT_THAT(succeed("map \"$CHUTE\" --frame -6 --fields vx --out b.csv"),
@@ -195,7 +276,7 @@ TEST_F(MapTest, FramesFromBothEnds) {
 }
 
 TEST_F(MapTest, WithoutSupport) {
-  write("two.csv", "x,y,u\n0,0,1\n10,0,2\n");
+  write("two.csv", "x,y,u\n0,0,1\n10,1,2\n");
   const std::string map =
       "map two.csv --fields u --spacing 5 --radius 1 --out a.csv --unsupported ";
   succeed(map + "nan");
@@ -216,7 +297,7 @@ TEST_F(MapTest, ValuesStayNearTheirData) {
     const std::string out = succeed(map + limit);
     const ParticleTable grid = table("a.csv");
     for (std::size_t i = 0; i < grid.size(); ++i) {
-      const double v = grid.column("v")[i];
+      const double v = grid.raw_column("v")[i];
       if (std::isnan(v)) continue;
       EXPECT_GE(v, limit == std::string("--limit none") ? -0.2 : 0) << limit;
       EXPECT_LE(v, limit == std::string("--limit none") ? 1.2 : 1) << limit;
@@ -243,7 +324,7 @@ TEST_F(MapTest, LimitedValuesAreCounted) {
     int targets = 0;
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const double u = grid.column("u")[i], expected = plain.column("u")[i];
-      EXPECT_EQ(u, std::clamp(expected, 0.0, 1.0));
+      EXPECT_NEAR(u, std::clamp(expected, 0.0, 1.0), 1e-12);
       EXPECT_EQ(grid.column("limited")[i], std::abs(u - expected) > 1e-12 ? 1 : 0);
       targets += grid.column("limited")[i] > 0;
       EXPECT_NEAR(grid.column("w")[i], grid.column("x")[i], 1e-12);
@@ -262,7 +343,7 @@ TEST_F(MapTest, TargetsTooFarFromAllParticles) {
   const std::string map =
       "map square.csv --fields u --spacing 1 --bounds 0,30,0,9 --out a.csv --out a.vti ";
   EXPECT_THAT(succeed(map + "--unsupported nearest"),
-              HasSubstr("too far from all particles at 180 (58.1 %): nan"));
+              HasSubstr("too far from all particles at 170 (54.8 %): nan"));
   EXPECT_THAT(read("a.csv"), HasSubstr("30,0,nan,0,0,-1,too_far,0\n"));
   EXPECT_THAT(read("a.csv"), HasSubstr("11,0,2,9,"));
   succeed(map + "--unsupported -4");
@@ -320,6 +401,33 @@ TEST_F(MapTest, PictureIsAPng) {
   succeed("map \"$CHUTE\" --fields velocity --slice z=3 --show velocity,degree --picture a.png");
   EXPECT_EQ(read("a.png").substr(0, 8), "\x89PNG\r\n\x1a\n");
   EXPECT_GT(read("a.png").size(), 2000u);
+}
+
+TEST_F(MapTest, PictureOfAFieldWithAnyName) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  std::string text = "x,y,d'a''b,\"p, `q` $(r)\"\n";
+  for (int i = 0; i < 36; ++i)
+    text += std::to_string(i % 6) + "," + std::to_string(i / 6) + "," + std::to_string(i) + ",1\n";
+  write("a.csv", text);
+  succeed("map a.csv --fields \"d'a''b\" --picture a.png");
+  succeed("map a.csv --fields \"d'a''b,\\\"p, \\`q\\` \\$(r)\\\"\" --picture b.png");
+  EXPECT_TRUE(exists("a.png") && exists("b.png"));
+}
+
+// One particle of a hundred is far off: the colours are those of the others, and this is said.
+TEST_F(MapTest, OutliersAreSaid) {
+  if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  std::string text = "x,y,u\n";
+  for (int i = 0; i < 400; ++i)
+    text += std::to_string(i % 20) + "," + std::to_string(i / 20) + "," +
+            (i == 209 ? "1e6" : std::to_string(i % 20)) + "\n";
+  write("a.csv", text);
+  const std::string map = "map a.csv --fields u --spacing 1 --radius 0.9 --picture a.png ";
+  EXPECT_THAT(succeed(map), HasSubstr("1 node above, up to 1e+06"));
+  EXPECT_THAT(succeed(map + "--colours all"), testing::Not(HasSubstr("above")));
+  EXPECT_THAT(succeed(map + "--colours 0,12"), HasSubstr("nodes above, up to 1e+06"));
+  expect_failure("map a.csv --fields u --picture b.png --colours 2,1", 1,
+                 HasSubstr("--colours 2,1"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <compare>
 
 #include "recon/points/generate.hpp"
 #include "recon/shape/shape_function.hpp"

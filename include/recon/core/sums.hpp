@@ -2,9 +2,9 @@
 //
 // Terms are added one after the other in blocks; the sums of the blocks are added up with what
 // rounding takes from each addition carried along (Knuth 1969, sec. 4.2.2; Sum2 of Ogita, Rump and
-// Oishi 2005). The error is then that of one block's sum, a few roundings, whether there are
-// hundreds of terms or millions; a plain sum of a million floats loses three of their seven digits.
-// Up to sum_block terms make one block, and the sum is the plain one to the bit.
+// Oishi 2005). The error is then that of one block's sum (a few roundings; about twenty where all
+// terms are equal) for any number of terms; a plain sum of a million floats loses three of their
+// seven digits. Up to sum_block terms make one block, and the sum is the plain one to the bit.
 //
 // T is a number, or a pack (core/pack.hpp) with a sum in each lane.
 #pragma once

@@ -8,8 +8,9 @@
 // Coordinates. Unless set_coordinates() names the columns, those of axis x are sought under the
 // names x, X, xu, Points:0, Points_0 in this order, and likewise for y and z (xu is LAMMPS'
 // unwrapped coordinate, Points:0 what ParaView writes). The dimension is the number of axes that
-// have a column, but a z that is the same for all of two or more particles counts as none: such
-// particles are 2-D. Whoever wants them 3-D says positions(3).
+// have a column, but one that is the same for all of two or more particles counts as none, unless
+// all are: particles in a plane y = 0.5 are 2-D in x and z. Whoever wants them 3-D says
+// positions(3).
 //
 // Columns are typed when they are used. A file may hold labels, words among numbers, empty cells or
 // a name twice: as long as nobody asks for such a column, that is no error. column(), field() and
@@ -45,6 +46,8 @@
 
 namespace recon {
 
+// The axis (0, 1, 2 for x, y, z) along which a column of this name holds coordinates: x, X, xu, ...
+std::optional<int> axis_of_coordinate(std::string_view name);
 // A column of a file. `texts` are the cells that hold no numbers, and whose values are NaN.
 struct ReadColumn {
   std::string name;
@@ -104,7 +107,12 @@ class ParticleTable {
   void set_coordinates(std::vector<std::string> columns);
   // The columns used in `dimension` dimensions (0: as detected); throws where there are fewer.
   std::vector<std::string> coordinates(int dimension = 0) const;
-  // See the rule at the top. Throws InvalidArgument where no column x (or y, for a z) is found.
+  // Those columns whether constant or not: set, or else sought.
+  std::vector<std::string> all_coordinates() const;
+  // Which of x, y and z (0, 1, 2) each column of coordinates(dimension) lies along: the axis that
+  // its name tells, else that of its place; all by their places where two would be the same.
+  std::vector<int> axes(int dimension = 0) const;
+  // See the rule at the top. Throws InvalidArgument where no column x, y or z is found.
   int dimension() const;
 
   // Throws InvalidArgument for a coordinate that is NaN or infinite. dimension = 0: as detected.
@@ -122,7 +130,7 @@ class ParticleTable {
   const std::optional<SimulationCell>& cell() const { return cell_; }
 
   // Box and periodic axes in the axes of coordinates(dimension): where these are, say, x and z, the
-  // box has these two. A column whose name does not tell its axis lies along that of its place.
+  // box has these two.
   // Without a box of the source: the bounding box of the positions, periodic nowhere.
   Box<double> box(int dimension = 0) const;
   PeriodicDomain<double> domain(int dimension = 0) const;
@@ -159,6 +167,7 @@ class ParticleTable {
   void update_names();
   void require_finite(const Column& column) const;
   std::vector<std::string> detected_coordinates() const;
+  std::vector<std::string> varying_coordinates() const;
   std::vector<int> box_axes(int dimension) const;
 
   std::vector<Column> columns_;

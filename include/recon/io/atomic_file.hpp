@@ -32,18 +32,23 @@ class AtomicFile {
 
   // For another program that writes the file: what it writes follows what was written before.
   int descriptor() const { return descriptor_; }
-  // A path under which this process can open the file until the commit.
-  const std::filesystem::path& temporary() const { return temporary_; }
+  // Where this process can open the file until the commit, whether it has a name or not.
+  std::filesystem::path open_path() const;
+  // For libraries that want a name: gives the file one, which stays if the process is killed.
+  const std::filesystem::path& temporary();
 
  private:
   void flush();
   void discard() noexcept;
-  bool put_in_place() noexcept;  // false: errno says why
+  // Each false where it fails; errno says why.
+  bool link_as(const std::filesystem::path& name) const noexcept;
+  bool give_name() noexcept;
+  bool put_in_place() noexcept;
   [[noreturn]] void fail(const std::string& action, int error);
 
-  std::filesystem::path asked_, target_, temporary_;
+  std::filesystem::path asked_, target_;
+  std::filesystem::path temporary_;  // its name, if it has one
   int descriptor_ = -1;
-  bool named_ = false;
   std::string buffer_;
 };
 

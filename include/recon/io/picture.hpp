@@ -13,11 +13,13 @@
 // HeatMap. Each node of a 2-D grid is a rectangle of one spacing around it, coloured along viridis
 // (perceptually uniform, readable without red-green vision, grey in print); NaN is grey. Equal
 // lengths on both axes where the shape allows (between 1 : 12 and 12 : 1). All panels share axis
-// ranges and colour range. A map of 1-D grids is drawn as curves; of a 3-D grid take a slice()
-// first.
+// ranges and colour range. A few outliers do not spoil the colours: the scale leaves them out, and
+// the picture says how many lie beyond it and how far. A map of 1-D grids is drawn as curves; of a
+// 3-D grid take a slice() first.
 //
-// LinePlot. Curves of (x, y); a NaN in y interrupts a curve. On a log axis all numbers must be
-// positive.
+// LinePlot. Curves of (x, y); a NaN in x or y interrupts a curve. Curves that coincide can be told
+// apart: each has dashes of its own over the ones before it, and where there are many points only
+// some are marked, on each curve others. On a log axis all numbers must be positive.
 //
 // Wrong input throws InvalidArgument (sizes that disagree, infinite values, no panel or curve, a
 // number that is not positive on a log axis); an unknown extension, a gnuplot that is missing or
@@ -61,10 +63,25 @@ struct HeatMap {
   std::vector<HeatMapPanel> panels;
   std::string x_label = "x", y_label = "y", colour_label;
   std::optional<Range> x_range, y_range;  // default: what the grids cover
-  std::optional<Range> colour_range;  // default: least and greatest value; beyond: the end colours
-  int columns = 0;                    // panels in a row; 0: all, or one where panels are wide
-  double scale = 1;                   // of the whole picture, texts included
+  std::optional<Range> colour_range;      // default: see colour_scale(); beyond: the end colours
+  int columns = 0;                        // panels in a row; 0: all, or one where panels are wide
+  double scale = 1;                       // of the whole picture, texts included
 };
+
+// What the colours of a heat map stand for.
+struct ColourScale {
+  Range range{0, 1};
+  std::size_t below = 0, above = 0;  // values beyond the range
+  double least = 0, greatest = 0;    // of all values
+};
+
+// The scale of colour_range, or else of the values without outliers. The hundredth part of the
+// values at either end (at least one value) set aside, the others have a width; what is more than
+// that width away from them is an outlier. Fewer than 20 values, and values of which nearly all are
+// the same, have none. (Of a normal distribution none in a million is one.)
+ColourScale colour_scale(const HeatMap& map);
+// "beyond the colours: 3 nodes above, up to 6.7; 1 below, down to -2"; empty where none is.
+std::string describe_beyond(const ColourScale& scale);
 
 enum class CurveStyle { line, markers, line_and_markers };
 

@@ -36,10 +36,12 @@ struct GradientResolution {
   int rank = 0;             // directions in which the slope is resolved
   T amplification2 = T(0);  // the largest a(e_d)^2 over the axes of what is left
   std::array<std::array<T, D>, D> projector{};  // onto those directions
+  std::array<bool, D> dropped{};                // row of slope by row: it is none of those
 
-  // slope[d]: `count` numbers, component d of each G_j; they are overwritten. Of the D directions
-  // only `linear` have a slope at all, those along which linear terms were kept. Directions whose
-  // a(n)^2 exceeds `limit2` are dropped.
+  // slope[d]: `count` numbers, component d of each G_j. They are overwritten by the components
+  // n . G_j along the directions, which are orthogonal to each other. Of the D directions only
+  // `linear` have a slope at all, those along which linear terms were kept. Directions whose a(n)^2
+  // exceeds `limit2` are dropped.
   static GradientResolution of(const std::array<T*, D>& slope, int count, const T& weight_sum,
                                int linear, const T& limit2) {
     using std::abs, std::sqrt;
@@ -81,7 +83,8 @@ struct GradientResolution {
     std::array<T, D> left{};
     for (int i = 0; i < linear; ++i) {
       const int k = order[i];
-      if (!(a2[k] <= limit2)) continue;
+      found.dropped[k] = !(a2[k] <= limit2);
+      if (found.dropped[k]) continue;
       ++found.rank;
       for (int d = 0; d < D; ++d) {
         left[d] += turned[k][d] * turned[k][d] * a2[k];

@@ -91,7 +91,8 @@ class GramSchmidt {
     T amplification = T(sqrt(weight_sum_ * kept().christoffel()));
     if (amplification > limit) amplification = kept().absolute_sum();
     report.amplification = to_float(amplification);
-    kept().template resolve_gradient<B>(weight_sum_, tolerances_, report);
+    const int linear = regular || !detail::is_monomials<B> ? D : report.kept[1] - flat_;
+    kept().template resolve_gradient<B>(weight_sum_, tolerances_, linear, report);
     return report;
   }
 
@@ -118,6 +119,10 @@ class GramSchmidt {
     const T root_sum = T(sqrt(weight_sum_));
     kept().clear();
     report.kept = {};
+    flat_ = 0;
+    axes_ = {};
+    for (int d = 0; d < D; ++d) axes_[d][d] = T(1);
+    slopes_ = axes_;
 
     T* constant = kept().next_column();
     Jet& constant_jet = kept().next_jet();
@@ -177,6 +182,7 @@ class GramSchmidt {
       }
       if (k == 1) {
         if (report.kept[1] == 0) break;
+        if constexpr (detail::is_monomials<B>) find_axes(report.kept[1]);
         // In the higher degrees rounding counts relative to the thinnest kept extent of the cloud,
         // and sizes are powers of that extent: only the relative test makes sense.
         drop = larger(T(T(detail::rounding_margin) * cloud.noise * root_sum / shortest), drop);
@@ -185,6 +191,26 @@ class GramSchmidt {
     }
     report.smallest_pivot = to_float(smallest);
     detail::finish_report<B>(report);
+  }
+
+  // The coordinates for what comes after the linear block: the directions kept in it, which are the
+  // linear coefficients in the jets of its columns. Where the particles extend so little that a
+  // slope is out of the question, derivatives along the direction are left out from here on: at a
+  // thickness of 1e-12 they would be of the order of 1e24, and all others lost in their rounding.
+  void find_axes(int linear_directions) {
+    using std::sqrt;
+    const T limit2 = detail::gradient_limit2<T>(tolerances_, B::degree);
+    for (int i = 0; i < linear_directions; ++i) {
+      const Jet& jet = kept().jet(1 + i);
+      T norm2 = T(0);
+      for (int d = 0; d < D; ++d) norm2 += jet[1 + d] * jet[1 + d];
+      for (int d = 0; d < D; ++d) axes_[i][d] = jet[1 + d] / T(sqrt(norm2));
+      slopes_[i] = axes_[i];
+      if (weight_sum_ * norm2 <= limit2) continue;
+      slopes_[i].fill(T(0));
+      kept().flatten(1 + i);
+      ++flat_;
+    }
   }
 
   T* block_column(int c, int n) { return block_.data() + static_cast<std::size_t>(c) * n; }
@@ -199,21 +225,8 @@ class GramSchmidt {
     block_jets_.resize(end - begin);
 
     if constexpr (detail::is_monomials<B>) {
-      // Rows of `axes`: the identity for the linear block, then the kept directions (the linear
-      // coefficients in the jets of the columns that the linear block left behind).
-      std::array<std::array<T, D>, D> axes{};
-      int variables = D;
-      if (k == 1) {
-        for (int d = 0; d < D; ++d) axes[d][d] = T(1);
-      } else {
-        using std::sqrt;
-        variables = linear_directions;
-        for (int i = 0; i < variables; ++i) {
-          T norm = T(0);
-          for (int d = 0; d < D; ++d) norm += kept().jet(1 + i)[1 + d] * kept().jet(1 + i)[1 + d];
-          for (int d = 0; d < D; ++d) axes[i][d] = kept().jet(1 + i)[1 + d] / T(sqrt(norm));
-        }
-      }
+      const int variables = k == 1 ? D : linear_directions;
+      const auto& axes = axes_;
       int columns = 0;
       std::array<int, B::size> chosen;
       for (int j = begin; j < end; ++j) {
@@ -221,7 +234,7 @@ class GramSchmidt {
         for (int d = variables; d < D; ++d) uses_kept = uses_kept && B::exponents[j][d] == 0;
         if (!uses_kept) continue;
         chosen[columns] = j;
-        block_jets_[columns++] = rotated_jet(B::exponents[j], k, axes);
+        block_jets_[columns++] = rotated_jet(B::exponents[j], k, slopes_);
       }
       for (int p = 0; p < n; ++p) {
         const std::array<T, D> xi = cloud.at(p);
@@ -343,6 +356,10 @@ class GramSchmidt {
   std::vector<T> block_;    // one degree's columns in the block path
   std::vector<T> removed_;  // their parts in the lower degrees, B::size numbers per column
   std::vector<Jet> block_jets_;
+  // Rows: the axes of the block's coordinates, the identity for the linear block; and the same with
+  // zeros for those along which nothing is differentiated, `flat_` of them.
+  std::array<std::array<T, D>, D> axes_{}, slopes_{};
+  int flat_ = 0;
 };
 
 }  // namespace recon

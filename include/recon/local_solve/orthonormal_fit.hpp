@@ -52,16 +52,17 @@ class OrthonormalFit {
   }
 
   // Completes the report by what the gradient is worth, and takes out of all derivatives to come
-  // what is not resolved. For single targets; `report` says which linear terms are kept.
+  // what is not resolved: the directions in space, and of the second derivatives the polynomial
+  // whose slope is noise, too. For single targets; in `linear` directions there are slopes.
   template <class B>
-  void resolve_gradient(const T& weight_sum, const FitTolerances& tolerances, FitReport& report) {
+  void resolve_gradient(const T& weight_sum, const FitTolerances& tolerances, int linear,
+                        FitReport& report) {
     using std::sqrt;
     if (B::degree < 1) return;
     int degree = 1;
     for (int k = 2; k <= B::degree; ++k)
       if (report.kept[k] > 0) degree = k;
     const T limit2 = detail::gradient_limit2<T>(tolerances, degree);
-    const int linear = detail::is_monomials<B> ? report.kept[1] : D;
     const std::array<T, D> slopes = slopes2();
     T total = T(0);
     for (const T& slope : slopes) total += weight_sum * slope;
@@ -81,6 +82,8 @@ class OrthonormalFit {
       report.gradient_rank = static_cast<std::uint8_t>(resolution_.rank);
       amplification2 = resolution_.amplification2;
       partial_ = resolution_.rank < D;
+      for (int d = 0; d < D; ++d)
+        if (resolution_.dropped[d]) remove_from_second_derivatives(components[d]);
       for (int j = 0; j < rank && partial_; ++j) project(jets_[j]);
     }
     report.gradient_amplification = to_float(T(sqrt(amplification2)));
@@ -107,6 +110,10 @@ class OrthonormalFit {
   T* column(int j) { return columns_.data() + static_cast<std::size_t>(j) * n_; }
   T* next_column() { return column(rank_); }
   Jet& next_jet() { return jets_[rank_]; }
+  // The polynomial of column j has no derivatives from here on.
+  void flatten(int j) {
+    for (int a = 1; a < jets; ++a) jets_[j][a] = T(0);
+  }
   void keep() { ++rank_; }
   void clear() { rank_ = 0; }
 
@@ -184,6 +191,17 @@ class OrthonormalFit {
   }
 
  private:
+  // Takes the polynomial sum_j c_j P_j out of the second derivatives.
+  void remove_from_second_derivatives(const T* c) {
+    T size2 = T(0);
+    for (int j = 0; j < rank_; ++j) size2 += c[j] * c[j];
+    for (int entry = 1 + D; entry < jets; ++entry) {
+      T part = T(0);
+      for (int j = 0; j < rank_; ++j) part += c[j] * jets_[j][entry];
+      for (int j = 0; j < rank_; ++j) jets_[j][entry] -= part / size2 * c[j];
+    }
+  }
+
   // Leaves of the derivatives in a jet what lies in the resolved directions: Q g, Q H Q.
   void project(Jet& jet) const {
     std::array<T, D> slope;

@@ -87,7 +87,7 @@ class ReferenceFit {
     report.smallest_pivot = static_cast<float>(smallest * smallest);
     report.amplification = static_cast<float>(std::sqrt(amplification2));
     detail::report_full<B>(report);
-    fit_.template resolve_gradient<B>(weight_sum, tolerances_, report);
+    fit_.template resolve_gradient<B>(T(weight_sum), tolerances_, D, report);
     return true;
   }
 

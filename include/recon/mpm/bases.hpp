@@ -39,9 +39,9 @@ namespace detail {
 // which its gradients see get some of its mass, and with it its velocity.
 inline constexpr double hair = 1e-14;
 
-inline AxisShape linear_at(double x, double lower, double h, int cell) {
+// The linear functions of a cell, xi from 0 to 1 over it.
+inline AxisShape linear(double xi, double h, int cell) {
   AxisShape axis;
-  const double xi = std::clamp((x - lower) / h - cell, hair, 1 - hair);
   axis.first = cell;
   axis.count = 2;
   axis.S[0] = 1 - xi;
@@ -49,6 +49,13 @@ inline AxisShape linear_at(double x, double lower, double h, int cell) {
   axis.G[0] = -1 / h;
   axis.G[1] = 1 / h;
   return axis;
+}
+inline AxisShape linear_at(double x, double lower, double h, int cell) {
+  return linear(std::clamp((x - lower) / h - cell, hair, 1 - hair), h, cell);
+}
+// Going on beyond the cell.
+inline AxisShape linear_on(double x, double lower, double h, int cell) {
+  return linear((x - lower) / h - cell, h, cell);
 }
 
 // Of the element that spans cells 2 e and 2 e + 1; xi runs from -1 to 1 over it.

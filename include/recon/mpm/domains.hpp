@@ -239,8 +239,8 @@ struct Cpdi2 : Reaching<Cpdi2> {
     thread_local ShapeFunctions<D> at;
     for (Vector<D>& corner : particles.corners[p]) {
       std::array<detail::AxisShape, D> axes;
-      for (int d = 0; d < D; ++d)
-        axes[d] = detail::linear_at(corner[d], grid.lower()[d], grid.h(), grid.cell(corner[d], d));
+      for (int d = 0; d < D; ++d)  // beyond the grid as the outermost cell goes on, as in shape()
+        axes[d] = detail::linear_on(corner[d], grid.lower()[d], grid.h(), grid.cell(corner[d], d));
       detail::tensor_product<D>(grid, axes, at);
       corner += dt * at.value(velocity);
     }

@@ -22,6 +22,12 @@ struct Lame {
     require(poisson > -1 && poisson < 0.5, "poisson", poisson, "must lie between -1 and 0.5");
     return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
   }
+  // Throws InvalidArgument unless mu > 0 and 3 lambda + 2 mu > 0, both finite, as of from().
+  void validate() const {
+    require(mu > 0 && std::isfinite(mu), "mu", mu, "must be positive and finite");
+    require(3 * lambda + 2 * mu > 0 && std::isfinite(lambda), "lambda", lambda,
+            "must be finite and above -2 mu / 3");
+  }
   double p_wave_speed(double density) const { return std::sqrt((lambda + 2 * mu) / density); }
   // sqrt(E / density), the speed in a thin bar.
   double bar_wave_speed(double density) const {

@@ -99,6 +99,14 @@ struct Method {
                                        // also those of gauss_cells
   bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
 
+  // Steps in units of h / (c_p + |v|): the longest in which small noise does not grow, with two
+  // particles per cell and axis (docs/mpm.md has the measurement), and the default.
+  double stable_courant(int dimension) const;
+  double default_courant(int dimension) const;
+  // What breaks it whatever the step is: elements whose functions are negative always, quadrature
+  // over cells at free surfaces. A sentence; empty: nothing is known.
+  std::string caveat() const;
+
   // Throws InvalidArgument for choices that do not go together, saying why.
   void validate(int dimension) const;
 };

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,6 +31,10 @@ struct Boundary {
   int axis = 0;
   double at = 0;
   std::array<std::optional<double>, D> velocity{};
+
+  // Throws InvalidArgument for an axis or a plane that the grid does not have, or a velocity that
+  // is not finite.
+  void validate(const Grid<D>& grid) const;
 };
 
 // A force on one particle. With `area` N A0 (reference normal times reference area), `magnitude` is
@@ -40,6 +45,9 @@ struct Load {
   std::size_t particle = 0;
   Vector<D> direction = Vector<D>::Zero(), area = Vector<D>::Zero();
   std::function<double(double t)> magnitude;
+
+  // Throws InvalidArgument unless it is on one of so many particles, finite, with a magnitude.
+  void validate(std::size_t particles) const;
 };
 
 // At time t, force.
@@ -54,10 +62,28 @@ Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t)
 enum class StepRule { adaptive, p_wave, bar_wave, fixed };
 
 struct TimeOptions {
-  double end = 0;
+  double end = std::numeric_limits<double>::infinity();  // run() needs a finite one
   StepRule rule = StepRule::adaptive;
-  double courant = 0.4;
-  double step = 0;  // of the rule `fixed`
+  std::optional<double> courant;  // none: that of the method, Method::default_courant()
+  double step = 0;                // of the rule `fixed`
+
+  // Throws InvalidArgument unless all are positive, courant and step finite.
+  void validate() const;
+};
+
+// What a run may take before it is refused (forecast.hpp).
+struct Limits {
+  double memory = 0;  // bytes; 0: what the machine has available
+  double steps = 1e9;
+
+  // Throws InvalidArgument unless memory >= 0 and steps > 0.
+  void validate() const;
+};
+
+// A step of time, and the particle that limits it.
+struct Step {
+  double dt = 0;
+  std::size_t particle = 0;
 };
 
 template <int D>
@@ -76,16 +102,37 @@ struct Problem {
   std::shared_ptr<const Manufactured<D>> exact;  // null: no solution is known
   Method method;
   TimeOptions time;
-  int threads = 0;
+  Limits limits;
+  int threads = 0;  // 0: all
   // Of what functions and initial values were made, by key: read_problem() fills it. A checkpoint
   // belongs to problems with the same texts; what is not told here cannot be compared.
   std::map<std::string, std::string> formulas{};
 
   // Velocity, velocity gradient and body force are made those of `exact`.
   void follow_exact();
-  // Throws InvalidArgument where sizes disagree, a particle lies outside of the grid, a boundary on
-  // no plane of it, or a value is not finite.
+  // Throws InvalidArgument for everything that no step could be made of: choices of the method that
+  // do not go together, arrays of particles of wrong length, values that are not finite or have a
+  // wrong sign, a particle outside of the grid, a boundary on no plane of it, a material that is
+  // none. Everything that a problem file can have wrong in this way is found here, too.
   void validate() const;
+  // The same of particles that take the place of its own.
+  void validate(const Particles<D>& others) const;
 };
+
+// The step by the rule of the problem, for its particles as they are:
+//   adaptive  courant h / max_p (c_p + |v_p|), c_p = sqrt((lambda + 2 mu) / density), density as it
+//             is now
+//   p_wave    courant h / c_p, bar_wave: courant h / sqrt(E / density), at the reference density
+template <int D>
+Step choose_step(const Problem<D>& problem);
+// max_p (c_p + |v_p|) dt / h of a step dt, whatever its rule is: what stability is about.
+template <int D>
+double courant_of(const Problem<D>& problem, double dt);
+
+// Throws InvalidArgument unless it is positive and finite.
+void validate_density(double density);
+
+// That exact solutions are for: of one body, and neo-Hookean. Throws InvalidArgument otherwise.
+const NeoHookean& material_of_exact(const std::vector<Material>& materials);
 
 }  // namespace recon::mpm

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "recon/mpm/checkpoint.hpp"
+#include "recon/mpm/forecast.hpp"
 #include "recon/mpm/read_problem.hpp"
 
 namespace recon::mpm {
@@ -33,6 +34,8 @@ struct RunOptions {
   std::string name = "run";         // of the frames
   std::filesystem::path restart{};  // a checkpoint to go on from; empty: from the start
   bool overwrite = false;           // of another run's files
+  // Told before the first step, after which nothing stands in its way.
+  std::function<void(const Forecast& forecast)> begins{};
   // Told after every step.
   std::function<void(double time, std::int64_t steps, const Step& step)> progress{};
   // Told after every checkpoint.
@@ -42,6 +45,7 @@ struct RunOptions {
 };
 
 struct RunResult {
+  Forecast forecast;  // what was expected before
   std::int64_t steps = 0;
   double time = 0;
   Ledger first, last;
@@ -58,7 +62,8 @@ struct RunResult {
 // there: its ledger is kept up to the checkpoint, and its frames stay in the lists. Any other
 // run's files are overwritten only where that is asked for, else OtherRun is thrown. NoRestart
 // for a checkpoint that read_checkpoint() refuses or that is later than the end, FileError for files
-// that cannot be written, Failure where the run cannot go on.
+// that cannot be written, InvalidArgument for a problem without an end, or one that takes more than
+// there is (forecast.hpp), Failure where the run cannot go on.
 template <int D>
 RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
 

@@ -1,10 +1,14 @@
 // The time steps: momentum on the grid, particles carried by it.
 //
 //   Simulation<D> simulation(problem);
-//   while (simulation.time() < end) {
-//     simulation.map();                                  // 1  particles to nodes: v_i, m_i, f_i
-//     simulation.advance(simulation.choose_step().dt);   // 2  nodes: v_i += dt f_i / m_i
-//   }                                                    // 3  nodes to particles
+//   while (simulation.time() < end) simulation.step(simulation.choose_step().dt);
+//
+// A step is
+//   1  particles to nodes: v_i, m_i, f_i
+//   2  nodes: v_i += dt f_i / m_i
+//   3  nodes to particles
+// and map() is its first part alone, for those who want to see the nodes (or an account,
+// ledger.hpp) before the rest; step() does not do it again.
 //
 // Leapfrog: positions and stresses at t, velocities half a step earlier; the first kick takes half
 // a step, so that a start at t = 0 is of second order, and a step may follow one of another length.
@@ -17,8 +21,20 @@
 // Nodes lighter than 1e-10 of the heaviest feel gravity alone: forces on them would be divided by
 // next to nothing. Nodes without mass stay at rest. The same bits for any number of threads.
 //
+// A point that has just come into a cell of linear functions sees its far nodes with S near 0 and G
+// = 1 / h. Their acceleration by internal forces is as large as their mass is small; what the
+// particle takes from it, S a, is not, but L would be. So in L (not in v_p and x_p) the part of
+// internal forces in a_i is limited to what an explicit step bears,
+//     theta_i = min(1, 0.5 m_i / (k dt K_i)) of it,  K_i = sum_p V_p (lambda + 2 mu) |G|^2 ,
+// at nodes lighter than a tenth of the heaviest. Inside a body k dt K / m is about 2.5 (c_p dt /
+// h)^2. Domains and splines need no such thing: their |G|^2 / S is bounded.
+//
+// A particle that is carried over a face of the grid whose nodes are held in normal direction, by
+// less than a thousandth of a cell, is put back on the face: averages over a sheared domain half
+// beyond it are not exactly at rest.
+//
 // This is the update `flip`; method.hpp has the others. runge_kutta has velocities at t as well,
-// and takes four maps a step, the first of them being map().
+// and takes four maps a step.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -71,7 +87,11 @@ struct Nodes {
   std::vector<Vector<D>> mapped;            // v_i as it was mapped, without the boundary's say
   std::vector<Vector<D>> velocity;          // v_i
   std::vector<Vector<D>> acceleration;      // f_i / m_i, zero where the velocity is held
-  FitReports fit;                           // of a fitted velocity: its nodes are fit_nodes
+  // Of point particles in linear functions with lumped mass, else empty: the part of internal
+  // forces in `force`, and K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.
+  std::vector<Vector<D>> internal;
+  std::vector<double> stiffness;
+  FitReports fit;  // of a fitted velocity: its nodes are fit_nodes
   std::vector<std::uint32_t> fit_nodes;
   std::size_t unfitted = 0;  // nodes with mass whose velocity had to be mass-weighted
   std::size_t negative = 0;  // nodes of negative mass
@@ -84,11 +104,6 @@ struct Cells {
   Eigen::MatrixXd values;
   std::vector<double> fill;  // part of each cell that holds material
   FitReports fit;
-};
-
-struct Step {
-  double dt = 0;
-  std::size_t particle = 0;  // the one that limits it
 };
 
 template <int D>
@@ -106,30 +121,37 @@ class Simulation {
   }
   const Problem<D>& problem() const { return problem_; }
   const Particles<D>& particles() const { return problem_.particles; }
-  const Nodes<D>& nodes() const { return nodes_; }
-  const Cells<D>& cells() const { return cells_; }
+  // What map() or step() left last: after map() the state of time(), after step() that in which the
+  // step moved its particles. Throw InvalidArgument before the first of either.
+  const Nodes<D>& nodes() const;
+  const Cells<D>& cells() const;
+  // Are nodes() and cells() those of the particles as they are?
+  bool mapped() const { return nodes_state_ == NodesState::mapped; }
   // The first node of negative mass, and the first whose mass changed its sign between two steps.
   const std::optional<NegativeMass>& negative_mass() const { return negative_mass_; }
   const std::optional<NegativeMass>& sign_change() const { return sign_change_; }
 
-  // The step by the rule of the problem, a length of time (c_p = sqrt((lambda + 2 mu) / density)):
-  //   adaptive  courant h / max_p (c_p + |v_p|), density as it is now
-  //   p_wave    courant h / c_p, bar_wave: courant h / sqrt(E / density), at the reference density
-  Step choose_step() const;
+  // The step by the rule of the problem (problem.hpp).
+  Step choose_step() const { return mpm::choose_step(problem_); }
 
-  // Fills nodes() (and cells()) from the particles. Throws Failure.
+  // Fills nodes() (and cells()) from the particles, once for each state. Throws Failure.
   void map();
-  // A step from what map() left. Throws Failure; particles before the one it names have moved then.
-  void advance(double dt);
+  // Throws InvalidArgument for a step that is not positive and finite, or too short to move the
+  // clock; Failure where the particles cannot go on, of which some have moved. After that map()
+  // and step() throw InvalidArgument until restore() brings back a state.
+  void step(double dt);
 
-  // Goes on from a state of another run of the same problem.
+  // Goes on from a state of another run of the same problem. Throws InvalidArgument, and leaves all
+  // as it was, for particles that are not as many, that Problem::validate() would refuse, or that
+  // lack what the method remembers; for a time, steps or a last step that none can have.
   void restore(Particles<D> particles, double time, std::int64_t steps, double last_dt);
 
  private:
   template <class Shape>
   void scatter(Shape shape_of);
   template <class Shape>
-  void gather(Shape shape_of, const std::vector<Vector<D>>& carried, double dt, double kick);
+  void gather(Shape shape_of, const std::vector<Vector<D>>& carried,
+              const std::vector<Vector<D>>& straining, double dt, double kick);
   template <class Shape>
   void start_modes(Shape shape_of);
   void move(std::size_t p, const Vector<D>& x);
@@ -140,17 +162,25 @@ class Simulation {
   void watch_mass(double lightest);
   void find_held();
   void hold_boundaries();
+  void fill_nodes();
+  void advance(double dt);
   void advance_runge_kutta(double dt);
   std::vector<Vector<D>> filtered(std::vector<Vector<D>> velocity) const;
+  std::vector<Vector<D>> limited(double dt, double kick) const;
 
   Problem<D> problem_;
   double time_ = 0, last_dt_ = 0;
   std::int64_t steps_ = 0;
+  // none: no map so far; mapped: of the particles as they are; stepped: of the step before;
+  // broken: a step has failed.
+  enum class NodesState { none, mapped, stepped, broken };
+  NodesState nodes_state_ = NodesState::none;
   Nodes<D> nodes_;
   Cells<D> cells_;
   std::vector<HeldVelocity> held_;
-  std::vector<Vector<D>> acceleration_;  // body force per mass of the particles
-  std::vector<signed char> signs_;       // of the nodes' masses, in the step before
+  std::array<std::array<bool, 2>, D> walls_{};  // faces that hold their normal velocity at 0
+  std::vector<Vector<D>> acceleration_;         // body force per mass of the particles
+  std::vector<signed char> signs_;              // of the nodes' masses, in the step before
   std::optional<NegativeMass> negative_mass_, sign_change_;
 };
 

@@ -70,8 +70,10 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-// Is this word an option rather than a value such as -1?
+// Is this word an option rather than a value such as -1 or "-x > 2"?
 bool looks_like_option(const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  if (name.find_first_of(" <>*/^()") != std::string::npos) return false;
   return word.starts_with("--") ||
          (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])));
 }

@@ -1,5 +1,7 @@
 #include "programs/common/text.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -8,15 +10,28 @@ namespace recon::program {
 
 std::vector<std::string> split(std::string_view text, char separator) {
   std::vector<std::string> words;
-  while (!text.empty()) {
+  const auto skip_blanks = [&] {
+    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  };
+  bool another = !text.empty();  // "a," ends in an empty word
+  while (another) {
+    skip_blanks();
+    std::string word;
+    if (text.starts_with('"')) {
+      text.remove_prefix(1);
+      while (!text.empty() && (text.front() != '"' || text.starts_with("\"\""))) {
+        word += text.front();
+        text.remove_prefix(text.front() == '"' ? 2 : 1);
+      }
+      if (!text.empty()) text.remove_prefix(1);
+      skip_blanks();
+    }
     const std::size_t end = text.find(separator);
-    std::string_view word = text.substr(0, end);
-    while (!word.empty() && word.front() == ' ') word.remove_prefix(1);
-    while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
-    words.emplace_back(word);
-    if (end == std::string_view::npos) break;
-    text.remove_prefix(end + 1);
-    if (text.empty()) words.emplace_back();  // "a," ends in an empty word
+    word += text.substr(0, end);
+    while (word.ends_with(' ')) word.pop_back();
+    words.push_back(word);
+    another = end != std::string_view::npos;
+    text.remove_prefix(another ? end + 1 : text.size());
   }
   return words;
 }
@@ -30,6 +45,7 @@ std::optional<double> to_number(std::string_view text) {
 }
 
 std::string number(double value, int digits) {
+  if (std::isnan(value)) return "nan";
   char text[40];
   std::snprintf(text, sizeof text, "%.*g", digits, value == 0 ? 0.0 : value);
   return text;
@@ -63,8 +79,30 @@ std::string enumeration(std::span<const std::string> words) {
   return text;
 }
 
+std::string number_within(double value, double lower, double upper) {
+  constexpr int least = 5, most = 14, of_extent = 4;  // what differs beyond that is rounding
+  const double size = std::max(std::abs(lower), std::abs(upper)), extent = upper - lower;
+  if (!std::isfinite(extent)) return number(value);
+  constexpr int of_one_number = 10;
+  if (!(extent > 0)) return number(value, of_one_number);
+  const double figures = std::ceil(std::log10(size) - std::log10(extent)) + of_extent;
+  if (figures > most) return number(value, of_one_number);
+  return number(value, std::max(least, static_cast<int>(figures)));
+}
+
 std::string range(double lower, double upper) {
-  return number(lower) + " .. " + number(upper);
+  return number_within(lower, lower, upper) + " .. " + number_within(upper, lower, upper);
+}
+
+std::string shell_word(const std::string& text) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_-+=.,/:@%").find(c) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return text;
+  std::string quoted(1, '\'');
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
 }
 
 }  // namespace recon::program

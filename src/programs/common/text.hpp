@@ -9,7 +9,8 @@
 
 namespace recon::program {
 
-// "vx,vy" gives {"vx", "vy"}; blanks around a word do not count. No words for an empty text.
+// "vx,vy" gives {"vx", "vy"}; blanks around a word do not count, and a word in double quotes may
+// hold the separator ("" inside for one quote). No words for an empty text.
 std::vector<std::string> split(std::string_view text, char separator = ',');
 
 // The number that the whole text is, whatever the locale; nothing if it is none or not finite.
@@ -26,7 +27,11 @@ std::string counted(std::size_t value, const std::string& noun);
 // "x", "x and y", "x, y and z".
 std::string enumeration(std::span<const std::string> words);
 
-// A range of numbers: "-1.5 .. 3".
+// A range of numbers, with figures that tell its ends apart: "-1.5 .. 3", "500000.01 .. 500000.02".
 std::string range(double lower, double upper);
+// One of the numbers from lower to upper, with as many figures as these.
+std::string number_within(double value, double lower, double upper);
+// In quotes where a shell would make something else of it.
+std::string shell_word(const std::string& text);
 
 }  // namespace recon::program

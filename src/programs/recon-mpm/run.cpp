@@ -153,8 +153,8 @@ struct Saved {
 };
 
 // What may help after a failure, as far as it can be done.
-std::string advice(const Options& options, const mpm::TimeOptions& time, const fs::path& checkpoint,
-                   const Saved& saved) {
+std::string advice(const Options& options, const mpm::TimeOptions& time, double courant,
+                   const fs::path& checkpoint, const Saved& saved) {
   std::string text;
   if (saved.any) {
     const bool fixed = time.rule == mpm::StepRule::fixed;
@@ -163,7 +163,7 @@ std::string advice(const Options& options, const mpm::TimeOptions& time, const f
            ". To try from there with steps half as long: " + go_on(options, checkpoint) +
            " and --set " +
            (fixed ? "time.step=" + number(time.step / 2, 12)
-                  : "time.courant=" + number(time.courant / 2, 12)) +
+                  : "time.courant=" + number(courant / 2, 12)) +
            ".\n";
   }
   return text +
@@ -188,17 +188,32 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
     if (now > shown) progress.advance(now - shown);
     shown = std::max(shown, now);
   };
+  run_options.begins = [](const mpm::Forecast& forecast) {
+    print_line("expected", counted(forecast.particles, "particle") + ", " +
+                               counted(forecast.nodes, "node") + ", about " +
+                               number(forecast.steps) + " steps of " + number(forecast.step.dt) +
+                               ", " + number(forecast.memory / 1e6, 3) + " MB");
+    std::fflush(stdout);
+    for (const std::string& warning : forecast.warnings)
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  };
   const fs::path checkpoint = run_options.folder / "checkpoint.h5";
   Saved saved;
   run_options.saved = [&](double time, std::int64_t steps) { saved = {true, time, steps}; };
   run_options.stop = [] { return StopSignals::seen() != 0; };
+  const mpm::TimeOptions& time = file.problem.time;
+  const double courant = time.courant.value_or(file.problem.method.default_courant(D));
   mpm::RunResult result;
   const StopSignals signals;
   try {
     result = mpm::run(file, run_options);
+  } catch (const InvalidArgument& refusal) {
+    throw ProgramError(wrong_input, "the run cannot begin: " + std::string(refusal.what()) +
+                                        "; [limits] memory and steps in the problem file say what "
+                                        "it may take");
   } catch (const mpm::Failure& failure) {
     throw ProgramError(internal_error, "the run stopped: " + std::string(failure.what()) + "\n" +
-                                           advice(options, file.problem.time, checkpoint, saved));
+                                           advice(options, time, courant, checkpoint, saved));
   } catch (const mpm::OtherRun& error) {
     throw ProgramError(
         no_output, error.path().string() + ": is of another run" +

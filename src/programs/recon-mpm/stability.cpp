@@ -16,6 +16,7 @@ namespace {
 
 struct Options {
   std::string methods = "mpm,cpdi2,improved_cpdi,impm", particles = "1,2,4,8", picture;
+  int dimension = 1;
 };
 
 void run(const Options& options) {
@@ -30,6 +31,19 @@ void run(const Options& options) {
     if (!count || *count < 1 || *count > 32 || *count != std::floor(*count))
       fail_usage("--particles: '" + word + "' is no whole number from 1 to 32");
     counts.push_back(static_cast<int>(*count));
+  }
+  if (options.dimension > 1) {
+    std::printf("largest stable c_p dt / h in %d-D\n%-20s %9s %9s %9s\n", options.dimension,
+                "method", "particles", "measured", "default");
+    for (const mpm::Method* method : methods)
+      for (const int count : counts) {
+        if (method->basis == mpm::Basis::q8 && options.dimension == 3) continue;
+        std::printf("%-20s %9d %9.3f %9.3f\n", method->name.c_str(), count,
+                    mpm::stability_limit(*method, count, options.dimension).measured,
+                    method->default_courant(options.dimension));
+        std::fflush(stdout);
+      }
+    return;
   }
   std::printf(
       "largest stable c_p dt / h in 1-D, measured and 1 / sqrt(Q (2 - W))\n"
@@ -84,6 +98,9 @@ Command add_stability(CLI::App& app) {
   auto options = std::make_shared<Options>();
   command->add_option("--methods", options->methods, "names, with commas")->capture_default_str();
   command->add_option("--particles", options->particles, "per cell, with commas")
+      ->capture_default_str();
+  command->add_option("--dimension", options->dimension, "2 and 3: the stable step alone")
+      ->check(CLI::Range(1, 3))
       ->capture_default_str();
   command->add_option("--picture", options->picture, "FILE.png or .svg of the dispersion");
   return [options] { run(*options); };

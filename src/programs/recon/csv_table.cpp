@@ -28,6 +28,32 @@ std::string quoted(const std::string& name) {
   return text + "\"";
 }
 
+// "_x", "_z" of a vector in the plane of x and z, "_0", "_1", ... of other components.
+std::string suffix(const NamedField& field, int component, const std::string& letters) {
+  if (field.components > 1 && field.components == static_cast<int>(letters.size()))
+    return std::string("_") + letters[static_cast<std::size_t>(component)];
+  return component_suffix(field, component, static_cast<int>(letters.size()));
+}
+
+std::vector<CsvColumn> field_columns(const PointsView<double>& points, const std::string& letters,
+                                     const FieldSet& fields) {
+  std::vector<CsvColumn> columns;
+  for (int d = 0; d < points.dimension(); ++d)
+    columns.push_back({std::string(1, letters[static_cast<std::size_t>(d)]),
+                       [&points, d](std::size_t row, std::string& text) {
+                         append_number(points(row, d), text);
+                       }});
+  for (const NamedField& field : fields) {
+    if (field.name == "neighbours") break;  // here the reports begin
+    for (int c = 0; c < field.components; ++c)
+      columns.push_back(
+          {field.name + suffix(field, c, letters), [&field, c](std::size_t row, std::string& text) {
+             append_number(field.view()(row, c), text);
+           }});
+  }
+  return columns;
+}
+
 }  // namespace
 
 CsvColumn number_column(std::string name, const std::vector<double>& values) {
@@ -59,20 +85,9 @@ void write_csv_table(const std::filesystem::path& path, const std::vector<CsvCol
 }
 
 void write_csv_fields(const std::filesystem::path& path, const PointsView<double>& points,
-                      const FieldSet& fields, const FitReports& reports) {
-  std::vector<CsvColumn> columns;
-  for (int d = 0; d < points.dimension(); ++d)
-    columns.push_back({std::string(1, "xyz"[d]), [&points, d](std::size_t row, std::string& text) {
-                         append_number(points(row, d), text);
-                       }});
-  for (const NamedField& field : fields) {
-    if (field.name == "neighbours") break;  // here the reports begin
-    for (int c = 0; c < field.components; ++c)
-      columns.push_back({field.name + component_suffix(field, c, points.dimension()),
-                         [&field, c](std::size_t row, std::string& text) {
-                           append_number(field.view()(row, c), text);
-                         }});
-  }
+                      const std::string& letters, const FieldSet& fields,
+                      const FitReports& reports) {
+  std::vector<CsvColumn> columns = field_columns(points, letters, fields);
   const auto add_report = [&](const char* name, auto append) {
     columns.push_back({name, [&reports, append](std::size_t row, std::string& text) {
                          text += append(reports[row]);
@@ -87,6 +102,11 @@ void write_csv_fields(const std::filesystem::path& path, const PointsView<double
          append_number(limited(row, 0), text);
        }});
   write_csv_table(path, columns, points.size());
+}
+
+void write_csv_fields(const std::filesystem::path& path, const PointsView<double>& points,
+                      const std::string& letters, const FieldSet& fields) {
+  write_csv_table(path, field_columns(points, letters, fields), points.size());
 }
 
 }  // namespace recon::program

@@ -26,9 +26,13 @@ CsvColumn number_column(std::string name, const std::vector<double>& values);
 void write_csv_table(const std::filesystem::path& path, const std::vector<CsvColumn>& columns,
                      std::size_t rows);
 
-// x, y, z (as many as there are dimensions), the fields up to the reports, then neighbours, rank,
+// The axes by their letters ("xz": x and z), the fields up to the reports, then neighbours, rank,
 // degree, status in words, and limited.
 void write_csv_fields(const std::filesystem::path& path, const PointsView<double>& points,
-                      const FieldSet& fields, const FitReports& reports);
+                      const std::string& letters, const FieldSet& fields,
+                      const FitReports& reports);
+// The same with all fields and no reports.
+void write_csv_fields(const std::filesystem::path& path, const PointsView<double>& points,
+                      const std::string& letters, const FieldSet& fields);
 
 }  // namespace recon::program

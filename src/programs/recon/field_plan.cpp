@@ -1,6 +1,7 @@
 #include "field_plan.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
@@ -22,8 +23,8 @@ Names velocity_columns(const Particles& particles) {
   Names columns;
   for (const char* name : {"vx", "vy", "vz"})
     if (particles.table.has(name)) columns.push_back(name);
-  if (columns.size() > 2 && particles.dimension == 2) columns.resize(2);
-  return columns;
+  if (columns.size() < 3 || particles.dimension != 2) return columns;
+  return {std::string("v") + particles.letters[0], std::string("v") + particles.letters[1]};
 }
 
 // The column among these that the particles have, or "".
@@ -116,6 +117,20 @@ void plan_named(Particles& particles, const std::string& name, FieldPlan& plan) 
   }
 }
 
+// Numbers, kinds, image flags and coordinates: columns that tell which particle this is, or where,
+// and no field. ("xsu" is a coordinate of LAMMPS that is scaled and unwrapped.)
+bool is_label(const std::string& name) {
+  static const Names labels{"id",  "ids",  "gid",      "pid",     "tag",     "type",    "typelabel",
+                            "mol", "proc", "procp1",   "element", "ix",      "iy",      "iz",
+                            "row", "step", "timestep", "index",   "species", "material"};
+  std::string lower = name;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (contains(labels, lower) || lower.ends_with("_id") || lower.ends_with("_type")) return true;
+  if (axis_of_coordinate(name)) return true;
+  return lower.size() >= 2 && lower.size() <= 3 && lower[0] >= 'x' && lower[0] <= 'z' &&
+         (lower.substr(1) == "s" || lower.substr(1) == "u" || lower.substr(1) == "su");
+}
+
 void require_distinct(const FieldPlan& plan) {
   Names names{"neighbours", "rank", "degree", "status", "smallest_pivot", "amplification"};
   const std::size_t reports = names.size();
@@ -135,13 +150,9 @@ void require_distinct(const FieldPlan& plan) {
 }  // namespace
 
 Names mappable_columns(const Particles& particles) {
-  static const Names labels{"id",       "type",     "mol",      "element", "ix",       "iy",
-                            "iz",       "x",        "y",        "z",       "X",        "Y",
-                            "Z",        "xu",       "yu",       "zu",      "Points:0", "Points:1",
-                            "Points:2", "Points_0", "Points_1", "Points_2"};
   Names columns;
   for (const std::string& name : particles.table.names())
-    if (!contains(labels, name) && !contains(particles.axes, name)) columns.push_back(name);
+    if (!is_label(name) && !contains(particles.axes, name)) columns.push_back(name);
   return columns;
 }
 

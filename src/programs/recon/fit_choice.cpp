@@ -10,10 +10,6 @@ namespace recon::program {
 
 namespace {
 
-// Directions in which a fit would multiply errors by more than this are dropped. The library's own
-// limit, 30, is for exact data; docs/mls_vs_imls.md has what was measured.
-constexpr double leverage = 3;
-
 const std::vector<std::string> method_names{"shepard", "mls", "imls", "qr", "svd"};
 
 Solver solver_of(const std::string& name) {
@@ -39,9 +35,16 @@ std::string distance_check(const std::string& text) {
   return "'" + text + "' is not none or a positive number";
 }
 
-// Three particles per term of the basis. Beside walls fits with two amplify errors more.
+std::string leverage_check(const std::string& text) {
+  if (const auto value = to_number(text); value && *value > 1) return "";
+  return "'" + text + "' is not a number above 1";
+}
+
+// Three particles per term of the basis, and for a mean as many as for a linear fit, so that it
+// smooths no less. Beside walls fits with two amplify errors more.
 std::size_t suggested_neighbours(const Particles& particles, int degree) {
-  return std::min<std::size_t>(3 * monomial_count(particles.dimension, degree), particles.size());
+  return std::min<std::size_t>(3 * monomial_count(particles.dimension, std::max(degree, 1)),
+                               particles.size());
 }
 
 }  // namespace
@@ -71,7 +74,8 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
   app.add_option("--k", choice.k,
                  "use the N nearest particles, each target with a support of\n"
                  "its own (default: 3 per term of the degree, in 3-D 12 for\n"
-                 "degree 1); with --radius too: the N nearest of those within R")
+                 "degree 0 and 1); with --radius too: the N nearest of those\n"
+                 "within R")
       ->type_name("N")
       ->check(whole_number(1))
       ->group(group);
@@ -90,11 +94,23 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
       ->check(one_of(weight_names()))
       ->capture_default_str()
       ->group(group);
+  app.add_option("--weight-by", choice.weight_by,
+                 "a column, as mass, that multiplies the weight of each particle\n"
+                 "in the fit (sums over kernels stay as they are)")
+      ->type_name("COLUMN")
+      ->group(group);
   app.add_option("--form", choice.form,
                  "radial: the weight of the distance, the support a ball;\n"
                  "tensor: a factor for each axis, the support a cube")
       ->type_name("FORM")
       ->check(one_of({"radial", "tensor"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--leverage", choice.leverage,
+                 "drop directions in which a fit would amplify errors in the\n"
+                 "data more than L times: the degree falls there")
+      ->type_name("L")
+      ->check(leverage_check)
       ->capture_default_str()
       ->group(group);
   app.add_option("--limit", choice.limit,
@@ -154,6 +170,23 @@ Method read_method(const std::string& text, const FitChoice& choice) {
   return method;
 }
 
+void check_weight_by(const FitChoice& choice, Particles& particles) {
+  if (choice.weight_by.empty()) return;
+  const ParticleTable& table = particles.table;
+  if (!table.has(choice.weight_by))
+    fail_usage("--weight-by: unknown column '" + choice.weight_by + "'; " +
+               suggest(choice.weight_by, table.names()));
+  leave_out_missing(particles, {choice.weight_by});
+  with_exit_code(wrong_input, [&] {
+    const std::vector<double>& weights = table.column(choice.weight_by);
+    for (std::size_t row = 0; row < weights.size(); ++row)
+      if (!(weights[row] > 0))
+        fail_input("--weight-by " + choice.weight_by + ": " + number(weights[row]) + " at " +
+                   table.describe_row(row) + " of " + table.source +
+                   ": weights must be positive; --where leaves particles out");
+  });
+}
+
 FitOptions fit_options(const FitChoice& choice, const Method& method, const Particles& particles) {
   FitOptions options;
   options.degree = method.degree;
@@ -163,7 +196,7 @@ FitOptions fit_options(const FitChoice& choice, const Method& method, const Part
   options.domain = particles.domain;
   options.grow.steps = choice.grow;
   options.threads = choice.threads;
-  options.tolerances.leverage = leverage;
+  options.tolerances.leverage = choice.leverage;
   options.limit = choice.limit == "range"     ? Limit::range
                   : choice.limit == "relaxed" ? Limit::relaxed
                                               : Limit::none;
@@ -181,6 +214,8 @@ FitOptions fit_options(const FitChoice& choice, const Method& method, const Part
     options.neighbours = Nearest{suggested_neighbours(particles, method.degree)};
   if (!choice.k && !choice.radius && particles.spacing > 0)
     options.sum_radius = suggested_radius(particles, method.degree);
+  if (!choice.weight_by.empty())
+    options.particle_weights = particles.table.column(choice.weight_by);
   if (choice.unsupported == "nearest")
     options.unsupported = Unsupported::nearest;
   else if (const auto value = to_number(choice.unsupported))

@@ -16,7 +16,9 @@ struct FitChoice {
   std::string weight = "cubic", form = "radial", unsupported = "nan";
   std::optional<double> radius;
   std::optional<std::size_t> k;
+  std::string weight_by;  // a column whose numbers multiply the weights; none if empty
   std::string limit = "relaxed", max_distance = "2";
+  double leverage = 3;
   int grow = 0, threads = 0;
 };
 
@@ -43,6 +45,11 @@ extern const char* const method_help;
 // shepard.
 Method read_method(const std::string& text, const FitChoice& choice);
 
+// Leaves out the particles without a number in the column that weighs them. Ends with wrong_usage
+// where there is no such column, with wrong_input for a number that is not positive.
+void check_weight_by(const FitChoice& choice, Particles& particles);
+
+// Refers to the particles.
 FitOptions fit_options(const FitChoice& choice, const Method& method, const Particles& particles);
 
 // "radius 2", "15 nearest particles", "12 nearest particles (chosen for degree 1; --k or --radius

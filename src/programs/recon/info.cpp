@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "coincident.hpp"
 #include "commands.hpp"
 #include "field_plan.hpp"
 #include "programs/common/checks.hpp"
@@ -21,6 +22,11 @@ void print_frames(const std::vector<FrameInfo>& frames) {
     text += frames.size() == 1 ? ", step " : ", steps ";
     text += std::to_string(*frames.front().step);
     if (frames.size() > 1) text += " to " + std::to_string(*frames.back().step);
+  }
+  if (frames.front().time) {
+    text += frames.size() == 1 ? ", time " : ", times ";
+    text += number(*frames.front().time, 10);
+    if (frames.size() > 1 && frames.back().time) text += " to " + number(*frames.back().time, 10);
   }
   print_line("frames", text);
 }
@@ -66,14 +72,17 @@ void print_columns(const Particles& particles) {
   row("fields", "", "least", "greatest", "mean");
   std::printf("\n");
   for (const std::string& name : particles.table.names()) {
-    if (std::find(particles.axes.begin(), particles.axes.end(), name) != particles.axes.end())
+    const auto is_this = [&](const LeftOut& each) { return each.name == name; };
+    if (std::find(particles.axes.begin(), particles.axes.end(), name) != particles.axes.end() ||
+        std::any_of(particles.left_out.begin(), particles.left_out.end(), is_this))
       continue;
     const Statistics all(particles.table.raw_column(name));
     if (all.finite == 0)
       row("", name, "nan", "nan", "nan");
     else
-      row("", name, number(all.least), number(all.greatest),
-          number(all.sum / static_cast<double>(all.finite)));
+      row("", name, number_within(all.least, all.least, all.greatest),
+          number_within(all.greatest, all.least, all.greatest),
+          number_within(all.sum / static_cast<double>(all.finite), all.least, all.greatest));
     if (all.finite < particles.size())
       std::printf("   not finite at %s",
                   counted(particles.size() - all.finite, "particle").c_str());
@@ -83,12 +92,42 @@ void print_columns(const Particles& particles) {
   print_line("derived", enumeration(derived) + " (recon map computes them when asked)");
 }
 
-// As a shell takes it.
-std::string quoted(const std::string& path) {
-  return path.find(' ') == std::string::npos ? path : "'" + path + "'";
+void print_coincident(const Particles& particles) {
+  const Coincidence found = count_coincident(particles);
+  if (found.places == 0) return;
+  print_line("coincident", counted(found.particles, "particle") + " at " +
+                               counted(found.places, "place") +
+                               " that they share with others, to the last bit");
 }
 
-void print_suggestion(const Particles& particles, const std::string& file) {
+// As --fields takes it.
+std::string field_word(const std::string& name) {
+  if (name.find_first_of(",\" ") == std::string::npos) return name;
+  std::string quoted(1, '"');
+  for (const char c : name) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+// What else the command must say so that it means these particles.
+std::string same_input(const InputOptions& options) {
+  std::string text;
+  const auto add = [&](const std::string& name, const std::string& value) {
+    if (!value.empty()) text += " " + name + " " + shell_word(value);
+  };
+  if (options.frame != InputOptions().frame) add("--frame", std::to_string(options.frame));
+  if (options.step) add("--step", std::to_string(*options.step));
+  if (options.time) add("--time", number(*options.time, 17));
+  add("--columns", options.columns);
+  if (options.skip_rows > 0) add("--skip-rows", std::to_string(options.skip_rows));
+  for (const std::string& missing : options.missing) text += " --missing=" + shell_word(missing);
+  if (options.periodic != InputOptions().periodic) add("--periodic", options.periodic);
+  if (options.dimension != 0) add("--dimension", std::to_string(options.dimension));
+  add("--coordinates", options.coordinates);
+  add("--where", options.where);
+  return text;
+}
+
+void print_suggestion(const Particles& particles, const InputOptions& options) {
   if (!(particles.spacing > 0)) {
     print_line("suggested", "nothing: all particles are at one place");
     return;
@@ -102,11 +141,12 @@ void print_suggestion(const Particles& particles, const std::string& file) {
   std::string names;
   for (const char* name : {"vx", "vy", "vz"})
     if (particles.table.has(name)) names += (names.empty() ? "" : ",") + std::string(name);
-  if (names.empty()) names = fields.empty() ? "number_density" : fields.front();
+  if (names.empty()) names = fields.empty() ? "number_density" : field_word(fields.front());
   print_line("mean spacing", number(particles.spacing, 3));
   print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes):");
-  std::printf("  recon map %s --fields %s --spacing %s --out fields.vti\n", quoted(file).c_str(),
-              names.c_str(), number(spacing).c_str());
+  std::printf("  recon map %s%s --fields %s --spacing %s --out fields.vti --picture fields.png\n",
+              shell_word(options.file).c_str(), same_input(options).c_str(),
+              shell_word(names).c_str(), number(spacing).c_str());
 }
 
 void run(const InputOptions& options) {
@@ -116,10 +156,12 @@ void run(const InputOptions& options) {
   const Particles particles = read_input(options);
   std::printf("%s\n", particles.describe().c_str());
   print_frames(frames);
+  if (!particles.table.units.empty()) print_line("units", particles.table.units);
   print_axes(particles);
+  print_coincident(particles);
   print_columns(particles);
   print_remarks(particles.table);
-  print_suggestion(particles, options.file);
+  print_suggestion(particles, options);
 }
 
 }  // namespace

@@ -155,7 +155,7 @@ class Mapper {
     fields.add(field.name, static_cast<int>(components), std::move(values));
     if (!gradient_) return;
     const std::size_t dimension = static_cast<std::size_t>(particles_.dimension);
-    const std::vector<std::string> names = gradient_names(field, particles_.dimension);
+    const std::vector<std::string> names = gradient_names(field, particles_.letters);
     for (std::size_t i = 0; i < names.size(); ++i)
       fields.add(names[i], 1,
                  slopes_[place_of(field.columns[i / dimension]) * dimension + i % dimension]);
@@ -183,11 +183,11 @@ const std::vector<std::string>& report_names() {
   return names;
 }
 
-std::vector<std::string> gradient_names(const PlannedField& field, int dimension) {
+std::vector<std::string> gradient_names(const PlannedField& field, const std::string& letters) {
   std::vector<std::string> names;
   for (const std::string& column : field.columns)
-    for (int d = 0; d < dimension; ++d)
-      names.push_back("d" + (field.columns.size() == 1 ? field.name : column) + "_d" + "xyz"[d]);
+    for (const char letter : letters)
+      names.push_back("d" + (field.columns.size() == 1 ? field.name : column) + "_d" + letter);
   return names;
 }
 

@@ -22,8 +22,8 @@ struct Mapped {
 
 // Names of the reports among the fields.
 const std::vector<std::string>& report_names();
-// dvx_dx, dvx_dy, ...: component after component; none for a kernel sum.
-std::vector<std::string> gradient_names(const PlannedField& field, int dimension);
+// dvx_dx, dvx_dy, ...: component after component, the axes by their letters; none for a kernel sum.
+std::vector<std::string> gradient_names(const PlannedField& field, const std::string& letters);
 
 // gradient: also the exact gradients of all fields but kernel sums.
 Mapped map_fields(const Particles& particles, const FieldPlan& plan, const FitOptions& options,

@@ -4,18 +4,47 @@
 #include <cmath>
 #include <numbers>
 
+#include "frames.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/names.hpp"
+#include "recon/io/read.hpp"
 #include "recon/neighbourhood/find_neighbours.hpp"
+#include "where.hpp"
 
 namespace recon::program {
 
 namespace {
 
 constexpr std::array<const char*, max_dimension> axis_names{"x", "y", "z"};
+
+std::vector<LeftOut> find_left_out(const ParticleTable& table,
+                                   const std::vector<std::string>& used) {
+  std::vector<LeftOut> found;
+  for (const std::string& name : table.all_coordinates()) {
+    if (std::find(used.begin(), used.end(), name) != used.end()) continue;
+    const std::vector<double>& values = table.raw_column(name);
+    const bool same = std::all_of(values.begin(), values.end(),
+                                  [&](double value) { return value == values.front(); });
+    found.push_back({name, axis_of_coordinate(name), {}});
+    if (same) found.back().place = values.front();
+  }
+  return found;
+}
+
+void keep_where(const InputOptions& options, ParticleTable& table) {
+  if (options.where.empty()) return;
+  const std::vector<bool> kept = rows_where(options.where, table);
+  const std::size_t all = kept.size();
+  table.keep_rows(kept);
+  if (table.size() == 0)
+    fail_usage("--where '" + options.where + "': is true of none of the " +
+               counted(all, "particle") + " of " + table.source);
+  table.remarks.push_back("where " + options.where + ": " + count(table.size()) + " of " +
+                          counted(all, "particle"));
+}
 
 void choose_coordinates(const InputOptions& options, ParticleTable& table) {
   if (options.coordinates.empty()) return;
@@ -137,21 +166,51 @@ std::string Particles::describe() const {
   std::vector<std::string> periodic;
   for (int d = 0; d < dimension; ++d)
     if (domain.periodic[d]) periodic.push_back(axes[d]);
-  std::string text =
-      table.source + ": " + counted(size(), "particle") + " in " + std::to_string(dimension) + "-D";
+  std::string text = table.source;
+  if (table.time) text += ", time " + number(*table.time, 10);
+  text += ": " + counted(size(), "particle") + " in " + std::to_string(dimension) + "-D";
+  if (!left_out.empty()) {
+    text += " (" + enumeration(axes);
+    for (const LeftOut& each : left_out)
+      text += "; " + each.name +
+              (each.place ? " = " + number(*each.place, 10) + " for all" : " left out");
+    text += ")";
+  }
   return periodic.empty() ? text : text + ", periodic in " + enumeration(periodic);
 }
 
 void add_input_options(CLI::App& app, InputOptions& options) {
   const std::string group = "Particles";
-  app.add_option("FILE", options.file,
-                 "LAMMPS text dump, or delimited text with a line of column\n"
-                 "names; either may be gzipped")
+  const auto take_files = [&options](const std::vector<std::string>& files) {
+    options.file = files.front();
+    options.more_files.assign(files.begin() + 1, files.end());
+  };
+  app.add_option_function<std::vector<std::string>>(
+         "FILE", take_files,
+         "LAMMPS text dump, or delimited text with a line of column\n"
+         "names; either may be gzipped. Several files (of map) make a\n"
+         "series")
       ->type_name(" ");
-  app.add_option("--frame", options.frame, "frame of the file, from 0; from the end -1, -2, ...")
+  const auto take_frame = [&options](const std::string& text) {
+    if (const auto number = to_number(text))
+      options.frame = static_cast<int>(*number);
+    else
+      options.frames = text;
+  };
+  app.add_option_function<std::string>(
+         "--frame", take_frame,
+         "frame of the file, from 0; from the end -1, -2, ... (default\n"
+         "-1). A series (of map): all, or FIRST:LAST, as in 0:10 or\n"
+         "-5:, and 0:100:10 for every tenth")
       ->type_name("N")
-      ->check(whole_number(std::nullopt))
-      ->capture_default_str()
+      ->check(check_frame_text)
+      ->group(group);
+  app.add_option("--where", options.where,
+                 "only particles of which this is true, as in\n"
+                 "'type == 2 and z > 1': columns by name (in backticks where\n"
+                 "needed), numbers, + - * / ^, comparisons, and, or, not, sqrt,\n"
+                 "abs, min, max, sin, ...")
+      ->type_name("CONDITION")
       ->group(group);
   app.add_option("--step", options.step, "or the frame of this step")
       ->type_name("STEP")
@@ -193,8 +252,9 @@ void add_input_options(CLI::App& app, InputOptions& options) {
       ->type_name("NAMES")
       ->group(group);
   app.add_option("--dimension", options.dimension,
-                 "2 or 3 (or 1), if not as detected: a z that is the same for\n"
-                 "all particles means 2-D; 2 leaves z out of account")
+                 "2 or 3 (or 1), if not as detected: a coordinate that is the\n"
+                 "same for all particles does not count; 2 leaves z out of\n"
+                 "account, 3 takes all")
       ->type_name("D")
       ->check(digit('1', '3'))
       ->group(group);
@@ -249,18 +309,34 @@ ReadOptions read_options(const InputOptions& options) {
 
 Particles read_input(const InputOptions& options) {
   if (options.file.empty()) fail_usage("the file with the particles is missing");
+  if (!options.more_files.empty())
+    fail_usage("too many arguments: '" + options.more_files.front() +
+               "' (only recon map takes several files; lists are written with commas and without "
+               "blanks, as in vx,vy,vz)");
+  if (!options.frames.empty())
+    fail_usage("--frame " + options.frames +
+               ": one frame is needed here; only recon map takes several");
+  return make_particles(
+      with_exit_code(wrong_input,
+                     [&] { return read_particles(options.file, read_options(options)); }),
+      options);
+}
+
+Particles make_particles(ParticleTable read, const InputOptions& options) {
   Particles particles;
   particles.options = options;
-  particles.table = with_exit_code(
-      wrong_input, [&] { return read_particles(options.file, read_options(options)); });
+  particles.table = std::move(read);
   ParticleTable& table = particles.table;
   if (table.size() == 0) fail_input(table.source + ": there are no particles");
+  keep_where(options, table);
   choose_coordinates(options, table);
   // A coordinate that is missing somewhere is no constant: without those particles it may be one.
   drop_missing(table, with_exit_code(wrong_input, [&] { return table.coordinates(); }));
   particles.dimension = choose_dimension(options, table);
   particles.axes = table.coordinates(particles.dimension);
   drop_missing(table, particles.axes);
+  for (const int axis : table.axes(particles.dimension)) particles.letters += axis_names[axis];
+  particles.left_out = find_left_out(table, particles.axes);
   measure(particles);
   return particles;
 }

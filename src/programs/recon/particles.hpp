@@ -19,7 +19,9 @@ namespace recon::program {
 
 struct InputOptions {
   std::string file;
+  std::vector<std::string> more_files;  // of a series
   int frame = -1;
+  std::string frames;                // all, or a range; see frames.hpp
   std::optional<std::int64_t> step;  // or by its step or time
   std::optional<double> time;
   std::string columns;  // names of all columns, if not from the file
@@ -29,6 +31,14 @@ struct InputOptions {
   std::string coordinates;
   std::string periodic = "from-file";
   std::string bounds;
+  std::string where;  // see where.hpp; all particles if empty
+};
+
+// A coordinate that is not used.
+struct LeftOut {
+  std::string name;
+  std::optional<int> axis;      // x, y or z, where the name tells it
+  std::optional<double> place;  // of all particles, where it is the same
 };
 
 struct Particles {
@@ -36,8 +46,10 @@ struct Particles {
   ParticleTable table;
   int dimension = 0;
   std::vector<std::string> axes;  // names of the coordinate columns
-  Box<double> extent;             // of the particles; along periodic axes the period
-  Box<double> region;             // where a grid goes: --bounds, else the extent
+  std::string letters;            // "xz": which of x, y, z each of them is, for derived names
+  std::vector<LeftOut> left_out;
+  Box<double> extent;  // of the particles; along periodic axes the period
+  Box<double> region;  // where a grid goes: --bounds, else the extent
   PeriodicDomain<double> domain;
   PeriodicDomain<double> grid_domain;  // periodic where the region covers the whole period
   // Of the particles, a length: that of a regular lattice of as many points in the extent, or that
@@ -49,7 +61,8 @@ struct Particles {
   PointsView<double> positions() const { return table.positions(dimension); }
   // The axis of this name: that of its column, or x, y, z by place. `option` is for the message.
   int axis(std::string_view name, const std::string& option) const;
-  // "examples/data/chute.dump.gz, frame 5, step 50000: 3,000 particles in 3-D, periodic in x and y"
+  // "chute.dump.gz, frame 5, step 50000: 3,000 particles in 3-D, periodic in x and y"; what is left
+  // out is said: "in 2-D (x and z; y = 0.5 for all)".
   std::string describe() const;
 };
 
@@ -58,8 +71,11 @@ void add_input_options(CLI::App& app, InputOptions& options);
 // What the options mean for the reader of the file.
 ReadOptions read_options(const InputOptions& options);
 
-// Ends with wrong_input for what is wrong with the file, wrong_usage for what is with the options.
+// Ends with wrong_input for what is wrong with the file, wrong_usage for what is with the options:
+// also for a choice of several frames.
 Particles read_input(const InputOptions& options);
+// The particles of a table that was read.
+Particles make_particles(ParticleTable table, const InputOptions& options);
 
 // Leaves out the particles without a value in one of these columns, which are to be used.
 void leave_out_missing(Particles& particles, const std::vector<std::string>& columns);

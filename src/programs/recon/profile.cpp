@@ -149,11 +149,10 @@ class ProfileTable {
       Curve curve;
       curve.name = column.label;
       for (std::size_t i = 0; i < column.values.size(); ++i) {
-        if (std::isnan(column.values[i])) continue;
-        curve.x.push_back(column.values[i]);
+        curve.x.push_back(column.values[i]);  // NaN: a gap
         curve.y.push_back(planes_.grid.coordinate(i, planes_.axis));
       }
-      if (!curve.x.empty()) plot.curves.push_back(std::move(curve));
+      plot.curves.push_back(std::move(curve));
     }
     draw(path, plot);
   }
@@ -186,11 +185,16 @@ void print_ends(const Planes& planes, const ProfileTable& table, const std::stri
       print_line(heading, name + "no value on any level");
       continue;
     }
+    const auto place = [&](std::size_t level) {
+      return planes.grid.coordinate(level, planes.axis);
+    };
     const auto at = [&](std::size_t level) {
       return number(column.values[level]) + " at " + axis + " = " +
-             number(planes.grid.coordinate(level, planes.axis));
+             number_within(place(level), place(0), place(planes.levels() - 1));
     };
-    print_line(heading, name + at(first) + ", " + at((first + last - 1) / 2) + ", " + at(last - 1));
+    std::size_t middle = (first + last - 1) / 2;
+    while (std::isnan(column.values[middle])) --middle;
+    print_line(heading, name + at(first) + ", " + at(middle) + ", " + at(last - 1));
     heading = "";
   }
 }
@@ -213,6 +217,7 @@ void run(const ProfileOptions& options) {
       if (texts[i] == text) fail_usage("--methods names " + text + " twice");
   }
   Particles particles = read_input(options.input);
+  check_weight_by(options.fit, particles);
   const FieldPlan plan = plan_fields(particles, options.fields, {});
   const Planes planes = choose_planes(options, particles);
   const auto nodes = planes.grid.nodes();
@@ -301,7 +306,9 @@ Command add_profile(CLI::App& app) {
       ->type_name("NAMES")
       ->capture_default_str()
       ->group("Reconstruction");
-  options->fit.limit = "none";  // read at walls, where no value lies between its data
+  // A profile is read at walls, where no value lies between its data.
+  options->fit.limit = "none";
+  options->fit.leverage = 5;
   add_fit_options(*sub, options->fit);
   const std::string group = "Output";
   sub->add_option("--out", options->out,

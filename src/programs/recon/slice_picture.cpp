@@ -23,6 +23,18 @@ std::vector<double> shown_values(const NamedField& field) {
   return lengths;
 }
 
+// --colours, if it names a range.
+std::optional<Range> read_colours(const PictureOptions& options) {
+  if (options.colours.empty() || options.colours == "all") return {};
+  const std::vector<std::string> ends = split(options.colours);
+  const auto lower = ends.size() == 2 ? to_number(ends[0]) : std::nullopt;
+  const auto upper = ends.size() == 2 ? to_number(ends[1]) : std::nullopt;
+  if (!lower || !upper || !(*lower < *upper))
+    fail_usage("--colours " + options.colours + ": all, or a lower and a greater upper end are " +
+               "needed, as in 0,1.5");
+  return Range{*lower, *upper};
+}
+
 std::string label(const NamedField& field) {
   return field.components == 1 ? field.name : "|" + field.name + "|";
 }
@@ -31,6 +43,7 @@ std::string label(const NamedField& field) {
 
 Cut choose_cut(const PictureOptions& options, const Particles& particles,
                const StructuredGrid<double>& grid) {
+  read_colours(options);
   if (options.slice.empty()) return {1, grid.counts[1] / 2};
   if (grid.dimension != 3) fail_usage("--slice is for grids in 3-D; this one is shown as a whole");
   const std::size_t equals = options.slice.find('=');
@@ -50,15 +63,17 @@ Cut choose_cut(const PictureOptions& options, const Particles& particles,
   return cut;
 }
 
-void draw_fields(const PictureOptions& options, const Cut& cut, const Particles& particles,
-                 const StructuredGrid<double>& grid, const FieldSet& fields) {
+std::string draw_fields(const PictureOptions& options, const Cut& cut, const Particles& particles,
+                        const StructuredGrid<double>& grid, const FieldSet& fields) {
   std::vector<std::string> names = split(options.fields);
   if (names.empty()) names.push_back(fields.begin()->name);
   std::vector<std::string> axes = particles.axes;
   HeatMap map;
   map.title = particles.table.source;
   if (grid.dimension == 3) {
-    map.title += ", " + axes[cut.axis] + " = " + number(grid.coordinate(cut.index, cut.axis));
+    map.title += ", " + axes[cut.axis] + " = " +
+                 number_within(grid.coordinate(cut.index, cut.axis), grid.origin[cut.axis],
+                               grid.coordinate(grid.counts[cut.axis] - 1, cut.axis));
     axes.erase(axes.begin() + cut.axis);
   }
   map.x_label = axes[0];
@@ -78,7 +93,13 @@ void draw_fields(const PictureOptions& options, const Cut& cut, const Particles&
     }
     map.panels.push_back(std::move(panel));
   }
+  map.colour_range = read_colours(options);
+  if (options.colours == "all") {
+    const ColourScale scale = colour_scale(map);
+    if (scale.least < scale.greatest) map.colour_range = Range{scale.least, scale.greatest};
+  }
   draw(options.file, map);
+  return map.panels.front().grid.dimension == 1 ? "" : describe_beyond(colour_scale(map));
 }
 
 }  // namespace recon::program

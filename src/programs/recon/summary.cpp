@@ -33,7 +33,7 @@ void print_line(std::string_view name, std::string_view text) {
 
 std::string describe_method(const Method& method, const FitChoice& choice) {
   return method.name + ", degree " + std::to_string(method.degree) + ", weight " + choice.weight +
-         " (" + choice.form + ")";
+         " (" + choice.form + ")" + (choice.weight_by.empty() ? "" : ", times " + choice.weight_by);
 }
 
 void print_fit(const Mapped& mapped, const FitChoice& choice) {
@@ -67,8 +67,8 @@ void print_fit(const Mapped& mapped, const FitChoice& choice) {
     print_line("limited", "nothing (--limit none)");
   else if (mapped.values > 0)
     print_line("limited", share_of(mapped.limited.values, mapped.values) + " of the values, at " +
-                              counted(mapped.limited.targets, "target") + ", to their particles' " +
-                              (choice.limit == "range" ? "range" : "range and its width beyond"));
+                              counted(mapped.limited.targets, "target") + " (--limit " +
+                              choice.limit + ")");
 }
 
 void print_fields(const FieldSet& fields) {
