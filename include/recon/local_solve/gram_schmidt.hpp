@@ -17,7 +17,8 @@
 //     in this direction that the fit would amplify noise by that factor. The factor is
 //     sum_p |phi_p| over what these directions add to the phi_p; |P(0)| sqrt(sum w) / ||P|| bounds
 //     it, and is all that is formed where that is enough. Far from a dense cluster that has most of
-//     the weight the bound is several times too large.
+//     the weight the bound is several times too large. Nothing is dropped for its leverage where
+//     sum_p |phi_p| of all that is resolved stays within the limit.
 // The rest goes on. So the constant is never lost (partition of unity survives anything), and a
 // cloud on a line is still reproduced to the asked degree along the line. Dropping singular
 // directions instead of single monomials makes the result independent of the choice of axes: the
@@ -86,7 +87,12 @@ class GramSchmidt {
       report.smallest_pivot = to_float(regular_.smallest_pivot());
       detail::report_full<B>(report);
     } else {
-      fit_blocks(cloud, detail::Thresholds<T>(tolerances_, cloud.noise), report);
+      // The limit is on what the whole fit amplifies. Only where that is too much does it fall on
+      // directions; else the result would depend on whether the terms, which know the axes, were
+      // clearly independent.
+      const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
+      const bool within = fit_blocks(cloud, thresholds, false, report);
+      if (!within && !(kept().absolute_sum() <= limit)) fit_blocks(cloud, thresholds, true, report);
     }
     T amplification = T(sqrt(weight_sum_ * kept().christoffel()));
     if (amplification > limit) amplification = kept().absolute_sum();
@@ -110,9 +116,10 @@ class GramSchmidt {
     return detail::sum_of<T>(n, [&](int p) { return a[p] * b[p]; });
   }
 
-  // Degree by degree, each as a block of singular directions.
-  void fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
-                  FitReport& report) {
+  // Degree by degree, each as a block of singular directions. limited: those whose leverage exceeds
+  // the limit are dropped. Returns whether none does.
+  bool fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
+                  bool limited, FitReport& report) {
     using std::sqrt;
     const int n = cloud.size;
     const T* root = kept().root_weights();
@@ -133,6 +140,7 @@ class GramSchmidt {
     kept().keep();
     report.kept[0] = 1;
 
+    bool within = true;
     T smallest = T(1), drop = thresholds.drop;
     T floor = T(detail::rounding_margin) * cloud.noise *
               root_sum;  // what rounding of the coordinates alone amounts to
@@ -168,12 +176,13 @@ class GramSchmidt {
         const bool inside =
             leverage2 <= T(tolerances_.leverage * tolerances_.leverage) ||
             added_sum(order.data() + i, order.data() + end, size, n) <= T(tolerances_.leverage);
+        within = within && inside;
         for (; i < end; ++i) {
           const int c = order[i];
           const T* removed = removed_.data() + c * B::size;
           const T whole = T(sqrt(size[c] * size[c] + dot(removed, removed, lower)));
           const bool resolved = size[c] > drop * whole && size[c] > floor;
-          if (!inside || !resolved || kept().rank() >= n) continue;
+          if ((limited && !inside) || !resolved || kept().rank() >= n) continue;
           if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
           ++report.kept[k];
           shortest = smaller(size[c], shortest);
@@ -191,6 +200,7 @@ class GramSchmidt {
     }
     report.smallest_pivot = to_float(smallest);
     detail::finish_report<B>(report);
+    return within;
   }
 
   // The coordinates for what comes after the linear block: the directions kept in it, which are the
