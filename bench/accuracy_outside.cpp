@@ -168,7 +168,7 @@ void add_outside(Table& table, const Data<D>& data) {
   const auto targets = nodes_over<D>(data, median_spacing(data));
   for (const int degree : {1, 2})
     for (const auto& [name, rule] : rules<D>(data, degree))
-      for (const double leverage : {30.0, 5.0, 3.0, 2.0}) {
+      for (const double leverage : {30.0, 5.0, 2.5, 2.0}) {
         recon::Options options{.degree = degree,
                                .neighbours = rule,
                                .domain = data.domain,
@@ -270,7 +270,7 @@ DenseErrors dense_errors(const std::string& place, int degree, std::size_t per_a
   }
   const auto old = fit_with(recon::Radius{radius_of<D>(spacing, degree)}, 30);
   const Eigen::MatrixXd old_values = old.apply(recon::field_of(u));
-  const auto now = fit_with(nearest, 3);
+  const auto now = fit_with(nearest, 2.5);
   const Eigen::MatrixXd now_values =
       now.apply(recon::field_of(u), {.limit = Limit::relaxed, .count = nullptr});
   out.before = rms([&](std::size_t t) { return old_values(static_cast<Eigen::Index>(t), 0); });
@@ -352,7 +352,7 @@ Section outside_study(const Context& context) {
       "it, and by how many ranges the farthest does; how many values limits change. Then what "
       "defaults and limits cost where particles are dense (RMS errors, a field of size 1), and "
       "in time (of apply, one thread). Before: a radius of 2 spacings or more, leverage 30; "
-      "after: the 3 nearest per term, leverage 3, limit relaxed.",
+      "after: the 3 nearest per term, leverage 2.5, limit relaxed.",
       {table, dense, times},
       {}};
 }

@@ -56,7 +56,7 @@ class NodeLimiter {
     const auto index = plan_.grid.index(node);
     for (int d = 0; d < max_dimension; ++d) {
       first_[d] = static_cast<std::int64_t>(index[d]);
-      if (d < plan_.dimension()) x_[d] = plan_.grid.coordinate(index[d], d);
+      x_[d] = d < plan_.dimension() ? plan_.grid.coordinate(index[d], d) : Scalar(0);
     }
   }
 
@@ -74,7 +74,7 @@ class NodeLimiter {
   // |xi_d| < 1 on each axis, or |xi| < 1, and m_p > 0.
   bool in_support(std::uint32_t p) const {
     Scalar sum = 0;
-    for (int d = 0; d < plan_.dimension(); ++d) {
+    for (int d = 0; d < std::min(max_dimension, plan_.dimension()); ++d) {
       const Scalar xi = (particles_.points(p, d) - x_[d]) / static_cast<Scalar>(plan_.axes[d].rho);
       if (!(std::abs(xi) < 1)) return false;
       sum += xi * xi;

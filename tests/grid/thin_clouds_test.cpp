@@ -16,7 +16,8 @@ TEST(GridThinClouds, NoSlopeAcrossASheet) {
     PointList<double, 3> points;
     std::vector<double> u;
     for (int p = 0; p < 2000; ++p) {
-      points.push_back({random.uniform(), random.uniform(), 0.25 + thickness * random.uniform(-1, 1)});
+      points.push_back(
+          {random.uniform(), random.uniform(), 0.25 + thickness * random.uniform(-1, 1)});
       u.push_back(points.back()[0] + 1e-3 * random.uniform(-1, 1));
     }
     const GridOptions options{.degree = 1, .support = {0.5, 0.5, 0.5}, .gradients = true};

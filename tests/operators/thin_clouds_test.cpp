@@ -247,7 +247,7 @@ TEST(ThinClouds, ExactGradientOfALineIsAlongIt) {
 TEST(DenseCluster, DoesNotLowerTheDegree) {
   PointList<double, 1> points;
   RandomNumbers random(7);
-  for (int i = 0; i < 8000; ++i) points.push_back({0.5 + 1e-3 * random.uniform(-1, 1)});
+  for (int i = 0; i < 8000; ++i) points.push_back({0.5 + 1e-4 * random.uniform(-1, 1)});
   points.push_back({-0.5});
   const PointList<double, 1> targets{{0.0}};
   std::vector<double> u;
@@ -270,7 +270,7 @@ TEST(DenseCluster, DoesNotLowerTheDegree) {
 TEST(DenseCluster, ExtrapolationIsStillDropped) {
   PointList<double, 1> points;
   RandomNumbers random(7);
-  for (int i = 0; i < 8000; ++i) points.push_back({0.5 + 1e-3 * random.uniform(-1, 1)});
+  for (int i = 0; i < 8000; ++i) points.push_back({0.5 + 1e-4 * random.uniform(-1, 1)});
   const PointList<double, 1> targets{{0.0}};
   const auto fit =
       reconstruct(points_of(points), points_of(targets), {.degree = 1, .neighbours = Radius{1}});

@@ -41,8 +41,8 @@ class ProgramTest : public testing::Test {
   // The program's file, for commands of the shell.
   const std::string& program() const { return program_; }
   Outcome shell(const std::string& words) const {
-    const std::string command = "cd '" + folder_.string() + "' && CHUTE='" + chute() +
-                                "' && exec > .stdout 2> .stderr && " + words;
+    const std::string command = "cd '" + folder_.string() + "' || exit; CHUTE='" + chute() +
+                                "'; exec > .stdout 2> .stderr; " + words;
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(".stdout"), read(".stderr")};
   }

@@ -162,8 +162,8 @@ std::string advice(const Options& options, const mpm::TimeOptions& time, double 
            std::to_string(saved.steps) +
            ". To try from there with steps half as long: " + go_on(options, checkpoint) +
            " and --set " +
-           (fixed ? "time.step=" + number(time.step / 2, 17)
-                  : "time.courant=" + number(courant / 2, 17)) +
+           (fixed ? "time.step=" + number(time.step / 2, 12)
+                  : "time.courant=" + number(courant / 2, 12)) +
            ".\n";
   }
   return text +

@@ -18,7 +18,7 @@ struct FitChoice {
   std::optional<std::size_t> k;
   std::string weight_by;  // a column whose numbers multiply the weights; none if empty
   std::string limit = "relaxed", max_distance = "2";
-  double leverage = 3;
+  double leverage = 2.5;
   int grow = 0, threads = 0;
 };
 
