@@ -17,7 +17,8 @@ endfunction()
 # that the processor may lack (src/core/dispatch.hpp).
 include(CheckCXXCompilerFlag)
 set(RECON_SETS generic)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+# Loops over threads are the same for every set: the thread sanitizer needs one.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND NOT RECON_SANITIZE MATCHES "thread")
   check_cxx_compiler_flag(-march=x86-64-v4 RECON_COMPILER_KNOWS_X86_LEVELS)
   if(RECON_COMPILER_KNOWS_X86_LEVELS)
     list(APPEND RECON_SETS avx2)

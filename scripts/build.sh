@@ -2,7 +2,7 @@
 # configures, builds and tests one of the presets of CMakePresets.json.
 #
 #   step "what is being done" LOG command...   one line of progress; the log only where it fails
-#   build_preset PRESET                        into build/PRESET
+#   build_preset PRESET [target...]            into build/PRESET; all that is built by default, or the targets
 #   test_preset PRESET [ctest arguments]       ctest, with the exit status of ctest
 
 jobs=$(nproc 2>/dev/null || echo 2)
@@ -25,7 +25,9 @@ step() {
 
 # Ninja and ccache are used where they are and nothing else was chosen.
 build_preset() {
-  local preset=$1 dir=build/$1
+  local preset=$1 dir=build/$1 targets=()
+  shift
+  if [ $# -gt 0 ]; then targets=(--target "$@"); fi
   mkdir -p "$dir"
   if [ ! -f "$dir/CMakeCache.txt" ]; then
     if [ -z "${CMAKE_GENERATOR:-}" ] && has_command ninja; then export CMAKE_GENERATOR=Ninja; fi
@@ -36,7 +38,7 @@ build_preset() {
     unset CMAKE_GENERATOR
   fi
   step "Configuring $dir" "$dir/configure.log" cmake --preset "$preset" &&
-    step "Building $dir on $jobs cores" "$dir/build.log" cmake --build --preset "$preset" -j "$jobs"
+    step "Building $dir on $jobs cores" "$dir/build.log" cmake --build --preset "$preset" -j "$jobs" "${targets[@]}"
 }
 
 test_preset() {

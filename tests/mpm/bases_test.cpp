@@ -83,6 +83,26 @@ TYPED_TEST(Bases, GradientsAreSlopesOfTheValues) {
   });
 }
 
+// Exactly on an edge of a cell, or by rounding beside it, a node that sees a gradient has some of the
+// point's mass: the force on it would have nothing to push otherwise.
+TYPED_TEST(Bases, NodesWithASlopeHaveAValueOnEdges) {
+  constexpr int D = TypeParam::value;
+  const Grid<D> grid = unit_grid<D>(4);
+  const auto check = [&](const auto& policy, const char* name) {
+    for (int edge = 0; edge <= 4; ++edge)
+      for (const double off : {-1e-17, 0.0, 1e-17}) {
+        const Functions at(policy, grid, Vector<D>(Vector<D>::Constant(edge * 0.25 + off)));
+        for (Eigen::Index i = 0; i < at.S.size(); ++i)
+          if (at.G.row(i).norm() * grid.h() > 1e-6) {
+            EXPECT_NE(at.S[i], 0) << name << " edge " << edge << " node " << i;
+          }
+      }
+  };
+  check(PointDomain{}, "linear");
+  check(BSpline<2>{}, "bspline2");
+  check(BSpline<3>{}, "bspline3");
+}
+
 // Also where the grid is as small as it can be: a spline on one cell is linear there.
 TYPED_TEST(Bases, OneCellIsEnoughForSplines) {
   constexpr int D = TypeParam::value;

@@ -1,6 +1,8 @@
 // Materials: stress is the slope of energy, rigid turns change nothing, small strains are linear.
 #include "recon/mpm/material.hpp"
 
+#include <cmath>
+
 #include "mpm/support.hpp"
 
 namespace recon::mpm::test {
@@ -56,6 +58,57 @@ TYPED_TEST(Materials, SmallStrainIsHookes) {
   EXPECT_NEAR(hyper_energy, hypo_energy, 1e-3 * hypo_energy);
 }
 
+// Pulled to F = a I the stress is (D lambda + 2 mu) ln a, and its work per reference volume the integral
+// of a^D tr(sigma) da / a: J counts.
+TYPED_TEST(Materials, EnergyIsTheWorkPerReferenceVolume) {
+  constexpr int D = TypeParam::value;
+  const LinearElastic material{Lame::from(100, 0.3)};
+  const double modulus = D * material.lambda + 2 * material.mu;
+  for (const double a : {0.6, 1.5}) {
+    const int steps = 1000;
+    const Matrix<D> rate = std::log(a) * Matrix<D>::Identity();
+    Matrix<D> stress = Matrix<D>::Zero();
+    double energy = 0;
+    for (int step = 1; step <= steps; ++step)
+      material.update(Matrix<D>(std::pow(a, double(step) / steps) * Matrix<D>::Identity()), rate,
+                      1.0 / steps, stress, energy);
+    EXPECT_LE((stress - modulus * rate).norm(), 1e-10 * stress.norm());
+    const double J = std::pow(a, D), work = modulus * (J * std::log(a) - (J - 1) / D);
+    EXPECT_NEAR(energy, work, 3.0 * D / steps * work);  // J is that after the step: first order
+  }
+}
+
+// A body that does not strain along z: what is said of sigma_zz is what the same material has in 3-D.
+TYPED_TEST(Materials, StressOutOfPlaneIsThatOfThreeDimensions) {
+  constexpr int D = TypeParam::value;
+  if constexpr (D < 3) {
+    const Lame elastic = Lame::from(100, 0.3);
+    std::mt19937 random(6);
+    const auto embedded = [](const Matrix<D>& A, double rest) {
+      Matrix<3> all = rest * Matrix<3>::Identity();
+      all.template topLeftCorner<D, D>() = A;
+      return all;
+    };
+    for (int round = 0; round < 20; ++round) {
+      const auto check = [&](const auto& material) {
+        Matrix<D> F = Matrix<D>::Identity(), stress = Matrix<D>::Zero();
+        Matrix<3> solid = Matrix<3>::Zero();
+        double energy = 0;
+        for (int step = 0; step < 5; ++step) {
+          const Matrix<D> L = random_deformation<D>(random, 1) - Matrix<D>::Identity();
+          F += 0.05 * L * F;
+          material.update(F, L, 0.05, stress, energy);
+          material.update(embedded(F, 1), embedded(L, 0), 0.05, solid, energy);
+        }
+        EXPECT_LE((solid.template topLeftCorner<D, D>() - stress).norm(), 1e-10 * elastic.mu);
+        EXPECT_NEAR(material.out_of_plane(F, stress), solid(2, 2), 1e-10 * elastic.mu);
+      };
+      check(NeoHookean{elastic});
+      check(LinearElastic{elastic});
+    }
+  }
+}
+
 // A stressed material that turns: the stress turns with it, the energy stays.
 TEST(LinearElasticMaterial, RigidTurn) {
   const LinearElastic material{Lame::from(100, 0.25)};
@@ -82,6 +135,10 @@ TEST(LameConstants, SpeedsAndRanges) {
   EXPECT_THROW(Lame::from(1, 0.5), InvalidArgument);
   EXPECT_THROW(Lame::from(1, -1), InvalidArgument);
   EXPECT_THROW(Lame::from(std::nan(""), 0.3), InvalidArgument);
+  // Given themselves: a pull on all sides must need work.
+  EXPECT_NO_THROW((Lame{-0.66, 1}.validate()));
+  EXPECT_THROW((Lame{-0.67, 1}.validate()), InvalidArgument);
+  EXPECT_THROW((Lame{1, 0}.validate()), InvalidArgument);
 }
 
 }  // namespace
