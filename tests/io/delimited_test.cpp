@@ -66,7 +66,7 @@ TEST_F(Delimited, UnnamedColumnsAreNumbered) {
 
 TEST_F(Delimited, ParaViewNames) {
   const ParticleTable table =
-      read("\"v:0\",\"Points:0\",\"Points:1\",\"Points:2\"\n9,1,2,3\n8,1,2,4\n");
+      read("\"v:0\",\"Points:0\",\"Points:1\",\"Points:2\"\n9,1,2,3\n8,2,1,4\n");
   EXPECT_EQ(table.positions()(1, 2), 4);
 }
 

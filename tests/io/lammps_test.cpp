@@ -120,7 +120,7 @@ TEST_F(Lammps, WindowsLineEndsAndBlankEnd) {
 
 TEST_F(Lammps, ColumnsAreTypedWhenTheyAreUsed) {
   const ParticleTable table =
-      read(frame(0, "id element type x y z id", "1 Fe 1 1 2 3 1\n2 O C2 1 2 4 2\n", 2));
+      read(frame(0, "id element type x y z id", "1 Fe 1 1 2 3 1\n2 O C2 2 1 4 2\n", 2));
   EXPECT_EQ(table.positions()(1, 2), 4);
   EXPECT_EQ(table.text_columns(), (std::vector<std::string>{"element", "type"}));
   EXPECT_EQ(table.repeated_names(), (std::vector<std::string>{"id"}));

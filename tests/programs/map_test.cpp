@@ -97,7 +97,8 @@ TEST_F(MapTest, AnyTwoCoordinatesMakeTwoDimensions) {
   }
   write("plane.csv", text.str());
   const std::string map =
-      "map plane.csv --fields u,velocity --gradient --spacing 0.25 --radius 0.35 ";
+      "map plane.csv --fields u,velocity --gradient --spacing 0.25 --radius 0.35 --leverage 30 "
+      "--limit none ";
   for (const char* coordinates : {"", " --coordinates x,z"}) {
     const std::string out = succeed(map + "--out a.csv --out a.vti" + coordinates);
     EXPECT_THAT(out, HasSubstr(*coordinates == 0 ? "in 2-D (x and z; y = 0.5 for all)" : "in 2-D"));

@@ -88,7 +88,8 @@ TEST_F(WhereTest, Mistakes) {
                  AllOf(HasSubstr("neither true nor false but 2"), HasSubstr("line 4")));
   expect_failure(map("sqrt(-1 - x)"), 2, HasSubstr("but nan at row 0"));
   write("a.csv", "x,y,type,name\n0,0,1,a\n1,1,nan,b\n2,3,2,c\n");
-  expect_failure("map a.csv --fields type --where 'name == 1' --out o.csv", 2, HasSubstr("text"));
+  expect_failure("map a.csv --fields type --where 'name == 1' --out o.csv", 2,
+                 HasSubstr("line 2) of a.csv = 'a': is not a number"));
   expect_failure("map a.csv --fields x --where 'type == 1' --out o.csv", 2, HasSubstr("line 3"));
 }
 

@@ -18,7 +18,8 @@
 //     sum_p |phi_p| over what these directions add to the phi_p; |P(0)| sqrt(sum w) / ||P|| bounds
 //     it, and is all that is formed where that is enough. Far from a dense cluster that has most of
 //     the weight the bound is several times too large. Nothing is dropped for its leverage where
-//     sum_p |phi_p| of all that is resolved stays within the limit.
+//     sum_p |phi_p| of all that is resolved, or of what is kept so far and these directions, stays
+//     within the limit.
 // The rest goes on. So the constant is never lost (partition of unity survives anything), and a
 // cloud on a line is still reproduced to the asked degree along the line. Dropping singular
 // directions instead of single monomials makes the result independent of the choice of axes: the
@@ -173,9 +174,11 @@ class GramSchmidt {
           leverage2 += share * share;
           ++end;
         } while (end < columns && T(2) * size[order[end]] > size[order[end - 1]]);
-        const bool inside =
-            leverage2 <= T(tolerances_.leverage * tolerances_.leverage) ||
-            added_sum(order.data() + i, order.data() + end, size, n) <= T(tolerances_.leverage);
+        const bool inside = leverage2 <= T(tolerances_.leverage * tolerances_.leverage) ||
+                            added_sum(order.data() + i, order.data() + end, size, n, 0) <=
+                                T(tolerances_.leverage) ||
+                            added_sum(order.data() + i, order.data() + end, size, n,
+                                      kept().rank()) <= T(tolerances_.leverage);
         within = within && inside;
         for (; i < end; ++i) {
           const int c = order[i];
@@ -327,12 +330,14 @@ class GramSchmidt {
     }
   }
 
-  // sum_p |phi_p| over what these directions of the block add to the phi_p.
+  // sum_p |phi_p| over what these directions of the block and the first `rank` kept columns add to
+  // the phi_p.
   template <class Sizes>
-  T added_sum(const int* first, const int* last, const Sizes& size, int n) {
+  T added_sum(const int* first, const int* last, const Sizes& size, int n, int rank) {
     using std::abs;
     return detail::sum_of<T>(n, [&](int p) {
       T part = T(0);
+      for (int j = 0; j < rank; ++j) part += kept().column(j)[p] * kept().jet(j)[0];
       for (const int* c = first; c != last; ++c)
         part += block_column(*c, n)[p] / size[*c] * (block_jets_[*c][0] / size[*c]);
       return T(T(abs(part)) * kept().root_weights()[p]);
