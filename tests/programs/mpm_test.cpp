@@ -53,13 +53,13 @@ TEST_F(MpmProgram, ARunLeavesItsFiles) {
 // And the advice can be followed: too long a step in the first run, half of it in the second.
 TEST_F(MpmProgram, AFailureIsExplained) {
   const std::string command =
-      "run disks.toml --method mpm --cells 10 --set frames=4 --quiet --out out --set courant=1.5";
+      "run disks.toml --method cpdi1 --cells 10 --set frames=4 --quiet --out out --set courant=1.4";
   const Outcome outcome = run(command);
   EXPECT_EQ(outcome.code, 4);
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("step "), HasSubstr("particle "),
                                  HasSubstr("out/checkpoint.h5 holds its state at time ")));
   EXPECT_TRUE(exists("out/checkpoint.h5"));
-  const std::string restart = " --restart out/checkpoint.h5", shorter = " --set time.courant=0.75";
+  const std::string restart = " --restart out/checkpoint.h5", shorter = " --set time.courant=0.7";
   EXPECT_THAT(outcome.err, HasSubstr("the same command with" + restart + " and" + shorter + "."));
   EXPECT_THAT(outcome.err, HasSubstr("with --overwrite or another --out"));
   EXPECT_EQ(run(command + restart + shorter).code, 0);
