@@ -152,8 +152,8 @@ TEST_F(MapTest, VtkHasTheFieldsAndTheReports) {
   write_cloud("cloud.csv", 200, true);
   succeed("map cloud.csv --fields u,speed --components v=vx,vy --spacing 0.25 --out a.vti");
   const std::string vti = read("a.vti");
-  for (const char* name :
-       {"u", "speed", "v", "neighbours", "rank", "degree", "status", "smallest_pivot", "limited"})
+  for (const char* name : {"u", "speed", "v", "neighbours", "rank", "degree", "status",
+                           "smallest_pivot", "gradient_rank", "gradient_amplification", "limited"})
     EXPECT_THAT(vti, HasSubstr("Name=\"" + std::string(name) + "\"")) << name;
 }
 

@@ -56,6 +56,17 @@ TEST_F(MistakesTest, Values) {
   expect_failure("map", 1, HasSubstr("FILE"));
 }
 
+// Names of reports are taken, all of them.
+TEST_F(MistakesTest, FieldsWithTheNameOfAReport) {
+  for (const std::string name :
+       {"neighbours", "rank", "degree", "status", "smallest_pivot", "amplification",
+        "gradient_rank", "gradient_amplification", "limited"}) {
+    write("taken.csv", "x,y," + name + "\n0,0,1\n1,0,2\n0,1,3\n1,1,4\n");
+    expect_failure("map taken.csv --fields " + name + " --out a.csv", 1,
+                   HasSubstr("has the name of a report"));
+  }
+}
+
 // 3.6e9 nodes want some 600 GB.
 TEST_F(MistakesTest, MoreMemoryThanThereIs) {
   const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * 4096;

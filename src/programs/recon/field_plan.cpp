@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mapping.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
 #include "recon/core/names.hpp"
@@ -132,7 +133,7 @@ bool is_label(const std::string& name) {
 }
 
 void require_distinct(const FieldPlan& plan) {
-  Names names{"neighbours", "rank", "degree", "status", "smallest_pivot", "amplification"};
+  Names names = report_names();
   const std::size_t reports = names.size();
   for (const PlannedField& field : plan) {
     const auto at = std::find(names.begin(), names.end(), field.name);

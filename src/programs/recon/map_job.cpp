@@ -23,7 +23,7 @@ namespace {
 // The results are kept until they are written: better to say so than to be ended by the system.
 void check_memory(const StructuredGrid<double>& grid, const FieldPlan& plan,
                   const MapOptions& options) {
-  double numbers = 2 * grid.dimension + 16;  // coordinates, reports
+  double numbers = 2 * grid.dimension + 18;  // coordinates, reports
   for (const PlannedField& field : plan)
     numbers += 3 * std::max(1.0, static_cast<double>(field.columns.size())) *
                (options.gradient && !field.is_kernel_sum() ? 1 + grid.dimension : 1) *

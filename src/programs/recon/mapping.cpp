@@ -44,6 +44,8 @@ void add_reports(FieldSet& fields, const std::vector<FitReport>& reports,
   add(NumberType::int32, [](const FitReport& r) { return static_cast<int>(r.status); });
   add(NumberType::float32, [](const FitReport& r) { return r.smallest_pivot; });
   add(NumberType::float32, [](const FitReport& r) { return r.amplification; });
+  add(NumberType::int32, [](const FitReport& r) { return r.gradient_rank; });
+  add(NumberType::float32, [](const FitReport& r) { return r.gradient_amplification; });
   fields.add(report_names()[next], 1,
              std::vector<double>(limited.components.begin(), limited.components.end()),
              NumberType::int32);
@@ -178,8 +180,10 @@ class Mapper {
 }  // namespace
 
 const std::vector<std::string>& report_names() {
-  static const std::vector<std::string> names{"neighbours",     "rank",          "degree", "status",
-                                              "smallest_pivot", "amplification", "limited"};
+  static const std::vector<std::string> names{
+      "neighbours",     "rank",          "degree",        "status",
+      "smallest_pivot", "amplification", "gradient_rank", "gradient_amplification",
+      "limited"};
   return names;
 }
 

@@ -13,7 +13,8 @@ namespace recon::program {
 struct Mapped {
   // In the order of the plan, each followed by its gradients; then the reports: neighbours, rank,
   // degree, status (0 full, 1 reduced, 2 nearest, 3 no_support, 4 too_far), smallest_pivot,
-  // amplification, limited (number of components whose value was limited).
+  // amplification, gradient_rank, gradient_amplification, limited (number of components whose
+  // value was limited).
   FieldSet fields;
   FitReports reports;  // one per target
   LimitCount limited;
