@@ -4,22 +4,12 @@
 
 #include "recon/recon.hpp"
 #include "support/clouds.hpp"
+#include "support/derivative.hpp"
 #include "support/invariants.hpp"
 #include "support/typed.hpp"
 
 namespace recon::testing {
 namespace {
-
-template <class Scalar, int D>
-std::vector<Scalar> smooth_field(const PointList<Scalar, D>& points) {
-  std::vector<Scalar> values;
-  for (const auto& x : points) {
-    double v = 1;
-    for (int d = 0; d < D; ++d) v *= std::sin(3.0 * x[d] + d + 0.5);
-    values.push_back(static_cast<Scalar>(v));
-  }
-  return values;
-}
 
 template <class C>
 class ExactGradient : public ::testing::Test {};
@@ -60,25 +50,16 @@ TYPED_TEST(ExactGradient, EqualsFiniteDifferences) {
   cases.push_back(
       {"stretched", {.degree = 1, .neighbours = Radius{0.4}, .stretch = {1.2, 0.8, 1.1}}});
 
-  const auto evaluate = [&](const PointList<double, D>& at, const Options& options) {
-    return reconstruct(points_of(points), points_of(at), options).apply(field_of(values));
-  };
-  for (const auto& [name, options] : cases) {
+  for (const auto& each : cases) {
+    const Options& options = each.second;
+    const auto evaluate = [&](const PointList<double, D>& at) {
+      return reconstruct(points_of(points), points_of(at), options).apply(field_of(values));
+    };
     const auto gradient = reconstruct(points_of(points), points_of(targets), options)
                               .gradient()
                               .apply(field_of(values));
     // The difference quotient of a function computed to about 1e-14 is good to 1e-8 at this step.
-    const double step = 1e-6;
-    for (int d = 0; d < D; ++d) {
-      auto before = targets, after = targets;
-      for (auto& x : before) x[d] -= step;
-      for (auto& x : after) x[d] += step;
-      const Eigen::MatrixXd difference =
-          (evaluate(after, options) - evaluate(before, options)) / (2 * step);
-      for (std::size_t t = 0; t < targets.size(); ++t)
-        EXPECT_NEAR(gradient(t, d), difference(t, 0), 2e-7 * (1 + std::abs(gradient(t, d))))
-            << name << ", axis " << d << ", target " << t;
-    }
+    expect_derivative<D>(gradient, targets, evaluate, 2e-7, each.first);
   }
 }
 
@@ -110,16 +91,7 @@ TYPED_TEST(ExactGradient, FollowsWhatTheListSays) {
     const Reconstruction fit = reconstruct(points_of(points), points_of(targets), list, options);
     EXPECT_EQ(fit.neighbours().support_factor, list.support_factor);
     const auto gradient = fit.gradient().apply(field_of(values));
-    const double step = 1e-6;
-    for (int d = 0; d < D; ++d) {
-      auto before = targets, after = targets;
-      for (auto& x : before) x[d] -= step;
-      for (auto& x : after) x[d] += step;
-      const Eigen::MatrixXd difference = (evaluate(after) - evaluate(before)) / (2 * step);
-      for (std::size_t t = 0; t < targets.size(); ++t)
-        EXPECT_NEAR(gradient(t, d), difference(t, 0), 2e-7 * (1 + std::abs(gradient(t, d))))
-            << (moves ? "moves" : "still") << ", axis " << d << ", target " << t;
-    }
+    expect_derivative<D>(gradient, targets, evaluate, 2e-7, moves ? "moves" : "still");
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "recon/recon.hpp"
 #include "support/clouds.hpp"
+#include "support/derivative.hpp"
 #include "support/invariants.hpp"
 #include "support/message_of.hpp"
 #include "support/typed.hpp"
@@ -23,17 +24,6 @@ std::vector<double> spread_weights(std::size_t count, double decades) {
   std::vector<double> weights(count);
   for (double& weight : weights) weight = std::pow(10, exponent(random));
   return weights;
-}
-
-template <class Scalar, int D>
-std::vector<Scalar> waves(const PointList<Scalar, D>& points) {
-  std::vector<Scalar> values;
-  for (const auto& x : points) {
-    double v = 1;
-    for (int d = 0; d < D; ++d) v *= std::sin(3.0 * x[d] + d + 0.5);
-    values.push_back(static_cast<Scalar>(v));
-  }
-  return values;
 }
 
 template <int D>
@@ -58,7 +48,7 @@ TYPED_TEST(ParticleWeights, CountLikeCopies) {
   constexpr int D = TypeParam::D;
   for (const std::size_t count : {std::size_t{150}, std::size_t{700}}) {
     const auto points = random_points<Scalar, D>(count, 3);
-    const auto u = waves<Scalar, D>(points);
+    const auto u = smooth_field<Scalar, D>(points);
     const auto targets = random_points<Scalar, D>(37, 5);
     PointList<Scalar, D> copies;
     std::vector<Scalar> u_copies;
@@ -99,7 +89,7 @@ TYPED_TEST(ParticleWeights, AreThoseOfShepard) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   const auto points = random_points<Scalar, D>(200, 3);
-  const auto u = waves<Scalar, D>(points);
+  const auto u = smooth_field<Scalar, D>(points);
   const auto targets = random_points<Scalar, D>(20, 5);
   const auto weights = spread_weights(points.size(), 4);
   const BasicReconstruction<Scalar> fit(
@@ -148,7 +138,7 @@ TYPED_TEST(ParticleWeights, HaveAnyUnit) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   const auto points = random_points<Scalar, D>(300, 3);
-  const auto u = waves<Scalar, D>(points);
+  const auto u = smooth_field<Scalar, D>(points);
   const auto targets = random_points<Scalar, D>(20, 5);
   const auto weights = spread_weights(points.size(), 2);
   Options options{.degree = 1, .particle_weights = weights};
@@ -170,7 +160,7 @@ TYPED_TEST(ParticleWeights, TransposeIsTheTranspose) {
   constexpr int D = TypeParam::D;
   const auto points = random_points<Scalar, D>(600, 3);
   const auto targets = random_points<Scalar, D>(550, 5);
-  const auto u = waves<Scalar, D>(points), f = waves<Scalar, D>(targets);
+  const auto u = smooth_field<Scalar, D>(points), f = smooth_field<Scalar, D>(targets);
   const auto weights = spread_weights(points.size(), 3);
   const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets),
                                         {.particle_weights = weights});
@@ -192,7 +182,7 @@ TYPED_TEST_SUITE(ParticleWeightGradient, DoubleCases, CaseNames);
 TYPED_TEST(ParticleWeightGradient, EqualsFiniteDifferences) {
   constexpr int D = TypeParam::D;
   const auto points = random_points<double, D>(D == 1 ? 80 : 400, 3);
-  const auto values = waves<double, D>(points);
+  const auto values = smooth_field<double, D>(points);
   const auto weights = spread_weights(points.size(), 2);
   auto targets = random_points<double, D>(15, 5);
   for (auto& x : targets)
@@ -213,16 +203,7 @@ TYPED_TEST(ParticleWeightGradient, EqualsFiniteDifferences) {
     const auto gradient = reconstruct(points_of(points), points_of(targets), options)
                               .gradient()
                               .apply(field_of(values));
-    const double step = 1e-6;
-    for (int d = 0; d < D; ++d) {
-      auto before = targets, after = targets;
-      for (auto& x : before) x[d] -= step;
-      for (auto& x : after) x[d] += step;
-      const Eigen::MatrixXd difference = (evaluate(after) - evaluate(before)) / (2 * step);
-      for (std::size_t t = 0; t < targets.size(); ++t)
-        EXPECT_NEAR(gradient(t, d), difference(t, 0), 4e-7 * (1 + std::abs(gradient(t, d))))
-            << "case " << c << ", axis " << d << ", target " << t;
-    }
+    expect_derivative<D>(gradient, targets, evaluate, 4e-7, "case " + std::to_string(c));
   }
 }
 
