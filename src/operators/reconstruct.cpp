@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "operators/far_targets.hpp"
+#include "operators/list_rows.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
@@ -68,44 +70,6 @@ NeighbourRule enlarged(const NeighbourRule& rule, double factor,
   radii.clear();
   for (const std::size_t t : targets) radii.push_back(std::get<Radii>(rule).radii[t] * factor);
   return Radii{radii};
-}
-
-template <class Scalar>
-PointCloud<Scalar> subset(const PointCloud<Scalar>& points,
-                          const std::vector<std::size_t>& chosen) {
-  return points.permuted(std::vector<std::uint32_t>(chosen.begin(), chosen.end()));
-}
-
-// The list with the rows of `rows` (ascending targets) replaced by those of `other` that `take`
-// marks.
-template <class Scalar>
-NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
-                                const std::vector<std::size_t>& rows,
-                                const NeighbourList<Scalar>& other, const std::vector<bool>& take) {
-  NeighbourList<Scalar> merged;
-  merged.support = list.support;
-  merged.support_factor = list.support_factor;
-  std::size_t next = 0;
-  for (std::size_t t = 0; t < list.targets(); ++t) {
-    const NeighbourList<Scalar>* from = &list;
-    std::size_t row = t;
-    if (next < rows.size() && rows[next] == t) {
-      if (take[next]) {
-        from = &other;
-        row = next;
-        merged.support[t] = other.support[next];
-      }
-      ++next;
-    }
-    const std::int64_t begin = from->offsets[row], end = from->offsets[row + 1];
-    merged.indices.insert(merged.indices.end(), from->indices.begin() + begin,
-                          from->indices.begin() + end);
-    if (!from->shifts.empty())
-      merged.shifts.insert(merged.shifts.end(), from->shifts.begin() + begin,
-                           from->shifts.begin() + end);
-    merged.offsets.push_back(static_cast<std::int64_t>(merged.indices.size()));
-  }
-  return merged;
 }
 
 }  // namespace
@@ -219,173 +183,14 @@ struct BasicReconstruction<Scalar>::Problem {
 
   bool is_too_far(std::size_t t) const { return !too_far.empty() && too_far[t]; }
 
-  // From target number t of `at` to the particle of an entry, along axis d.
-  Scalar offset(const PointCloud<Scalar>& at, std::size_t t, const NeighbourList<Scalar>& list,
-                std::int64_t entry, int d) const {
-    const Scalar direct = particles(list.indices[entry], d) - at(t, d);
-    return list.shifts.empty() || !domain.periodic[d]
-               ? direct
-               : direct + list.shifts[entry][d] * domain.period(d);
-  }
-  Scalar distance2(const PointCloud<Scalar>& at, std::size_t t, const NeighbourList<Scalar>& list,
-                   std::int64_t entry) const {
-    Scalar sum = 0;
-    for (int d = 0; d < particles.dimension(); ++d) {
-      const Scalar along = offset(at, t, list, entry, d);
-      sum += along * along;
-    }
-    return sum;
-  }
-
-  // Of a target: the nearest particle, how far it is, and a distance that the local spacing there
-  // is known to reach (0: nothing is known).
-  struct Nearness {
-    ParticleIndex particle = 0;
-    Scalar distance = std::numeric_limits<Scalar>::infinity(), spacing = 0;
-  };
-
-  // The local spacing is the distance to the neighbour of this number.
-  std::size_t spacing_neighbour() const {
-    return 2 * static_cast<std::size_t>(particles.dimension()) + 3;
-  }
-
-  // From the target's list; nothing where another particle may be nearer than those in it. With
-  // `complete` lists every particle within the distance of the farthest one is in them: if the k-th
-  // is at a distance r, then fewer than k particles are within r - distance of the nearest one.
-  Nearness nearness_in_list(std::size_t t, bool complete, std::vector<Scalar>& squares) const {
-    const NeighbourList<Scalar>& list = neighbours;
-    Nearness near;
-    squares.clear();
-    Scalar least = std::numeric_limits<Scalar>::infinity();
-    for (std::int64_t e = list.offsets[t]; e < list.offsets[t + 1]; ++e) {
-      squares.push_back(distance2(targets, t, list, e));
-      if (squares.back() < least) {
-        least = squares.back();
-        near.particle = list.indices[e];
-      }
-    }
-    if (squares.empty() || !(std::sqrt(least) <= list.support[t])) return {};
-    near.distance = std::sqrt(least);
-    if (!complete) return near;
-    const std::size_t k = std::min(spacing_neighbour(), squares.size()) - 1;
-    std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(k),
-                     squares.end());
-    near.spacing = std::sqrt(squares[k]) - near.distance;
-    return near;
-  }
-
-  // Marks the targets that are farther from every particle than `multiple` local spacings, and
-  // takes their neighbours away. Where all particles are at one place there is no spacing, and no
-  // limit.
+  // Targets farther from every particle than `multiple` local spacings lose their neighbours.
   void mark_too_far(double multiple, bool complete, const NeighbourOptions& search) {
-    if (std::isinf(multiple) || particles.size() == 0) return;
-    bool extended = false;
-    for (int d = 0; d < particles.dimension(); ++d)
-      extended = extended || domain.periodic[d] || particles.box().extent(d) > 0;
-    if (!extended) return;
-
-    std::vector<Nearness> near(targets.size());
-    parallel_blocks(targets.size(), targets_per_block, threads,
-                    [&](std::size_t begin, std::size_t end) {
-                      std::vector<Scalar> squares;
-                      for (std::size_t t = begin; t < end; ++t)
-                        near[t] = nearness_in_list(t, complete && !search.visible, squares);
-                    });
-    find_nearest_of_the_rest(search, near);
-
-    const auto factor = static_cast<Scalar>(multiple);
-    std::vector<std::size_t> asked, place(particles.size(), particles.size());
-    for (const Nearness& n : near) {
-      if (n.distance <= factor * n.spacing || std::isinf(n.distance)) continue;
-      if (place[n.particle] == particles.size()) {
-        place[n.particle] = asked.size();
-        asked.push_back(n.particle);
-      }
-    }
-    if (asked.empty()) return;
-    const std::vector<Scalar> spacing = spacings_at(asked, search);
-
-    std::vector<std::size_t> rows;
-    NeighbourList<Scalar> nothing;
-    too_far.assign(targets.size(), false);
-    for (std::size_t t = 0; t < targets.size(); ++t) {
-      const Nearness& n = near[t];
-      if (n.distance <= factor * n.spacing || std::isinf(n.distance) ||
-          n.distance <= factor * spacing[place[n.particle]])
-        continue;
-      too_far[t] = true;
-      rows.push_back(t);
-      nothing.offsets.push_back(0);
-      nothing.support.push_back(neighbours.support[t]);
-    }
+    const std::vector<std::size_t> rows =
+        detail::far_targets(particles, targets, domain, neighbours, multiple, complete, search);
     if (rows.empty()) return;
-    neighbours = with_rows(neighbours, rows, nothing, std::vector<bool>(rows.size(), true));
-  }
-
-  // The nearest particles of the targets whose lists do not tell.
-  void find_nearest_of_the_rest(const NeighbourOptions& search, std::vector<Nearness>& near) const {
-    std::vector<std::size_t> rest;
-    for (std::size_t t = 0; t < near.size(); ++t)
-      if (std::isinf(near[t].distance)) rest.push_back(t);
-    if (rest.empty()) return;
-    NeighbourOptions one = search;
-    one.shape = SupportShape::ball;
-    if (search.visible)
-      one.visible = [&](std::size_t t, std::size_t p) { return search.visible(rest[t], p); };
-    const PointCloud<Scalar> at = subset(targets, rest);
-    const auto list = find_neighbours(particles, at, Nearest{1}, domain, one);
-    for (std::size_t i = 0; i < rest.size(); ++i)
-      if (list.count(i) > 0)
-        near[rest[i]] = {list.indices[list.offsets[i]],
-                         std::sqrt(distance2(at, i, list, list.offsets[i])), 0};
-  }
-
-  // The local spacings at some particles: the distance to the neighbour of that number, of those at
-  // one place (copies, images on a border) counting the first only; where there are fewer, to the
-  // farthest.
-  std::vector<Scalar> spacings_at(const std::vector<std::size_t>& chosen,
-                                  const NeighbourOptions& search) const {
-    NeighbourOptions all = search;
-    all.shape = SupportShape::ball;
-    all.visible = {};
-    std::vector<Scalar> spacings(chosen.size());
-    std::vector<std::size_t> rest(chosen.size());
-    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = i;
-    for (std::size_t ask = spacing_neighbour() + 1; !rest.empty(); ask *= 4) {
-      std::vector<std::size_t> asked, still;
-      for (const std::size_t i : rest) asked.push_back(chosen[i]);
-      const PointCloud<Scalar> at = subset(particles, asked);
-      const auto list = find_neighbours(particles, at, Nearest{ask}, domain, all);
-      for (std::size_t i = 0; i < rest.size(); ++i) {
-        const bool found = spacing_in_list(at, i, list, spacings[rest[i]]);
-        if (!found && static_cast<std::size_t>(list.count(i)) == ask) still.push_back(rest[i]);
-      }
-      rest = std::move(still);
-    }
-    return spacings;
-  }
-
-  // From the nearest of a particle, by distance. False where they are too few; then the farthest
-  // distance.
-  bool spacing_in_list(const PointCloud<Scalar>& at, std::size_t t,
-                       const NeighbourList<Scalar>& list, Scalar& spacing) const {
-    std::vector<std::array<Scalar, max_dimension>> same;  // places at the present distance
-    Scalar square = -1;
-    std::size_t places = 0;
-    for (std::int64_t e = list.offsets[t]; e < list.offsets[t + 1]; ++e) {
-      const Scalar here = distance2(at, t, list, e);
-      if (here != square) same.clear();
-      square = here;
-      std::array<Scalar, max_dimension> place{};
-      for (int d = 0; d < particles.dimension(); ++d) place[d] = offset(at, t, list, e, d);
-      if (std::find(same.begin(), same.end(), place) != same.end()) continue;
-      same.push_back(place);
-      if (++places <= spacing_neighbour()) continue;  // the particle itself is the first
-      spacing = std::sqrt(square);
-      return true;
-    }
-    spacing = std::sqrt(std::max(square, Scalar(0)));
-    return false;
+    too_far.assign(targets.size(), false);
+    for (const std::size_t t : rows) too_far[t] = true;
+    neighbours = detail::without_neighbours(neighbours, rows);
   }
 
   // Enlarges the supports of targets that miss the asked degree. True where any has been replaced.
@@ -404,7 +209,7 @@ struct BasicReconstruction<Scalar>::Problem {
         larger.visible = [&](std::size_t t, std::size_t p) {
           return search.visible(missing[t], p);
         };
-      const PointCloud<Scalar> at = subset(targets, missing);
+      const PointCloud<Scalar> at = detail::subset(targets, missing);
       const auto list =
           find_neighbours(particles, at, enlarged(rule, factor, missing, radii), domain, larger);
       Array<Scalar> values;
@@ -417,7 +222,7 @@ struct BasicReconstruction<Scalar>::Problem {
         if (!take.back()) still.push_back(missing[i]);
       }
       if (still.size() == missing.size()) continue;
-      neighbours = with_rows(neighbours, missing, list, take);
+      neighbours = detail::with_rows(neighbours, missing, list, take);
       changed = true;
       missing = std::move(still);
     }
@@ -435,11 +240,12 @@ struct BasicReconstruction<Scalar>::Problem {
     one.shape = SupportShape::ball;
     if (search.visible)
       one.visible = [&](std::size_t t, std::size_t p) { return search.visible(lost[t], p); };
-    const auto list = find_neighbours(particles, subset(targets, lost), Nearest{1}, domain, one);
+    const auto list =
+        find_neighbours(particles, detail::subset(targets, lost), Nearest{1}, domain, one);
     std::vector<bool> take;
     for (std::size_t i = 0; i < lost.size(); ++i) take.push_back(list.count(i) > 0);
     const NeighbourList<Scalar> before = std::move(neighbours);
-    neighbours = with_rows(before, lost, list, take);
+    neighbours = detail::with_rows(before, lost, list, take);
     const Array<Scalar> fitted = std::move(values);
     values.assign(neighbours.indices.size(), Scalar(0));
     std::size_t next = 0;

@@ -10,7 +10,14 @@
 
 namespace recon::program {
 
-enum ExitCode { success = 0, wrong_usage = 1, wrong_input = 2, no_output = 3, internal_error = 4 };
+// 128 + N: stopped by signal N.
+enum ExitCode : int {
+  success = 0,
+  wrong_usage = 1,
+  wrong_input = 2,
+  no_output = 3,
+  internal_error = 4
+};
 
 class ProgramError : public std::runtime_error {
  public:
