@@ -5,14 +5,16 @@
 #include <utility>
 #include <vector>
 
-#include "neighbourhood/cell_sort.hpp"
+#include "core/counting_sort.hpp"
 #include "neighbourhood/cell_targets.hpp"
 
 namespace recon::detail {
 
-// Targets in the order of bricks of cells, in which they are treated.
+// The order of bricks of cells, in which targets are treated: those that follow each other look at the same
+// few kilobytes of particles. Into `sort`.
 template <class S, int D>
-SortedPoints<S, D> by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targets, int threads) {
+void sort_by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targets, int threads,
+                    CountingSort& sort) {
   int edge = D == 1 ? 64 : D == 2 ? 8 : 4;
   CellIndex bricks{};
   const auto count = [&] {
@@ -26,33 +28,41 @@ SortedPoints<S, D> by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targ
   while (count() > 4 * targets.size() + 1024) edge *= 2;
   int shift = 0;
   while (1 << shift < edge) ++shift;
-  return sort_by_key<D>(
-      targets, count(),
-      [&](const std::array<S, D>& x) {
-        const CellIndex at = cells.cell_index(x);
-        return ((at[2] >> shift) * bricks[1] + (at[1] >> shift)) * bricks[0] + (at[0] >> shift);
-      },
-      threads, nullptr);
+  const std::span<std::uint32_t> key = sort.keys(targets.size());
+  recon::parallel_blocks(key.size(), 16384, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const CellIndex at = cells.cell_index(targets.template point<D>(t));
+      key[t] = static_cast<std::uint32_t>(
+          ((at[2] >> shift) * bricks[1] + (at[1] >> shift)) * bricks[0] + (at[0] >> shift));
+    }
+  });
+  sort.sort(count(), threads);
 }
 
 template <class S, int D, bool periodic>
 class AllTargets {
  public:
-  explicit AllTargets(SharedByTargets<S, D>& shared) : shared_(shared) {
-    const Cells<S, D>& cells = shared.grid.sorted_cells();
-    const bool same = &shared.targets == &shared.particles;  // sorted already
-    if (!same) own_ = by_bricks(cells, shared.targets, shared.options.threads);
-    order_ = same ? &cells.sorted() : &own_;
+  // With `in_order` targets follow each other in space as they are.
+  AllTargets(SharedByTargets<S, D>& shared, bool in_order, NeighbourList<S>& list)
+      : shared_(shared), list_(list) {
+    const Cells<S, D>& cells = shared.grid->sorted_cells();
+    if (in_order) return;
+    if (&shared.targets == &shared.particles) {  // sorted already
+      order_ = {cells.view().index, cells.particles()};
+    } else {
+      sort_by_bricks(cells, shared.targets, shared.options.threads, sort_);
+      order_ = sort_.order();
+    }
   }
 
-  NeighbourList<S> find() {
+  void find() {
     list_.offsets.resize(count() + 1);
+    list_.offsets[0] = 0;
     list_.support.resize(count());
     if (shared_.question.factor > 0)
       find_rows_of_known_length();  // Nearest
     else
       find_rows_of_any_length();
-    return std::move(list_);
   }
 
  private:
@@ -61,6 +71,7 @@ class AllTargets {
   static constexpr std::size_t targets_per_block = 512;
 
   std::size_t count() const { return shared_.targets.size(); }
+  std::size_t target(std::size_t place) const { return order_.empty() ? place : order_[place]; }
 
   template <class Block>
   void for_blocks(const Block& block) const {
@@ -76,8 +87,8 @@ class AllTargets {
     for_blocks([&](std::size_t begin, std::size_t end) {
       Targets found(shared_);
       for (std::size_t s = begin; s < end; ++s) {
-        const std::size_t t = order_->index[s];
-        list_.support[t] = found.find(t, order_->point(s));
+        const std::size_t t = target(s);
+        list_.support[t] = found.find(t, shared_.targets.template point<D>(t));
         write(found.begin(), k, t * k);
       }
     });
@@ -89,8 +100,8 @@ class AllTargets {
       Targets found(shared_);
       std::vector<Key>& block = blocks[begin / targets_per_block];
       for (std::size_t s = begin; s < end; ++s) {
-        const std::size_t t = order_->index[s];
-        list_.support[t] = found.find(t, order_->point(s));
+        const std::size_t t = target(s);
+        list_.support[t] = found.find(t, shared_.targets.template point<D>(t));
         list_.offsets[t + 1] = static_cast<std::int64_t>(found.size());
         block.insert(block.end(), found.begin(), found.end());
       }
@@ -101,7 +112,7 @@ class AllTargets {
       const std::vector<Key> block = std::move(blocks[begin / targets_per_block]);
       const Key* from = block.data();
       for (std::size_t s = begin; s < end; ++s) {
-        const std::size_t t = order_->index[s];
+        const std::size_t t = target(s);
         const auto size = static_cast<std::size_t>(list_.count(t));
         write(from, size, static_cast<std::size_t>(list_.offsets[t]));
         from += size;
@@ -111,7 +122,7 @@ class AllTargets {
 
   void resize(std::size_t entries) {
     list_.indices.resize(entries);
-    if (periodic) list_.shifts.resize(entries);
+    list_.shifts.resize(periodic ? entries : 0);
   }
   void write(const Key* keys, std::size_t size, std::size_t at) {
     using Coding = typename Targets::Coding;
@@ -121,9 +132,9 @@ class AllTargets {
   }
 
   SharedByTargets<S, D>& shared_;
-  SortedPoints<S, D> own_;
-  const SortedPoints<S, D>* order_;
-  NeighbourList<S> list_;
+  CountingSort sort_;
+  std::span<const std::uint32_t> order_;  // empty: as they are
+  NeighbourList<S>& list_;
 };
 
 }  // namespace recon::detail

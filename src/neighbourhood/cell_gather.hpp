@@ -103,7 +103,7 @@ class CellGather {
     const std::int64_t count = out_.count, work = out_.work;
     for (;;) {
       const GatherResult result =
-          shared_.kernels.gather(shared_.grid.sorted_cells().view(), x.data(), radius, out_);
+          shared_.kernels.gather(shared_.grid->sorted_cells().view(), x.data(), radius, out_);
       if (result != GatherResult::no_room) return result == GatherResult::complete;
       make_room(4 * static_cast<std::size_t>(out_.capacity));
       out_.count = count;

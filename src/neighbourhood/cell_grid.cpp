@@ -16,9 +16,6 @@ constexpr double particles_per_cell = 2;  // where the density chooses the cells
 
 template <class S, int D>
 struct CellGrid<S, D>::Grid : detail::Cells<S, D> {
-  using Cells = detail::Cells<S, D>;
-  using Cells::Cells;
-
   // take(x_p, index) for all in the cells from..to of the row (., j, k); they lie side by side in
   // memory.
   template <class Take>
@@ -27,7 +24,7 @@ struct CellGrid<S, D>::Grid : detail::Cells<S, D> {
     const std::int64_t row = detail::row_of_cells(this->view().counts, j, k);
     const ParticleIndex end = this->view().first[row + to + 1];
     for (ParticleIndex p = this->view().first[row + from]; p < end; ++p)
-      take(this->sorted().point(p), this->sorted().index[p]);
+      take(this->point(p), this->index(p));
   }
 
   // take(x_p, index) for all in the cells that the box [low, high] overlaps.
@@ -98,7 +95,9 @@ CellGrid<S, D>::CellGrid(const PointCloud<S>& points)
     : CellGrid(points, detail::density_cell_size(points, particles_per_cell)) {}
 template <class S, int D>
 CellGrid<S, D>::CellGrid(const PointCloud<S>& points, double cell_size, int threads)
-    : grid_(std::make_unique<Grid>(points, cell_size, threads)) {}
+    : grid_(std::make_unique<Grid>()) {
+  grid_->build(points, cell_size, threads);
+}
 template <class S, int D>
 CellGrid<S, D>::CellGrid(CellGrid&&) noexcept = default;
 template <class S, int D>
@@ -121,6 +120,10 @@ std::size_t CellGrid<S, D>::cells() const {
 
 template <class S, int D>
 const detail::Cells<S, D>& CellGrid<S, D>::sorted_cells() const {
+  return *grid_;
+}
+template <class S, int D>
+detail::Cells<S, D>& CellGrid<S, D>::sorted_cells() {
   return *grid_;
 }
 

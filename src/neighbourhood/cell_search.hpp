@@ -15,13 +15,12 @@
 // Where particles are too many to a cell, or targets lie in great voids, a target costs more than
 // it would with a k-d tree. If `may_build_tree`, such work is added up; once it has cost as much as
 // building a tree, one is built, and serves the targets that are too much work from then on. A
-// cloud that is too uneven from the start is refused: the answer is empty then.
+// cloud that is too uneven from the start is refused.
 //
 // Cost: O(particles + cells + targets) for sorting, then per target what lies around it.
 #pragma once
 
-#include <optional>
-
+#include "neighbourhood/search_index.hpp"
 #include "recon/neighbourhood/find_neighbours.hpp"
 
 namespace recon::detail {
@@ -29,12 +28,12 @@ namespace recon::detail {
 // Is this a question that find_by_cells answers? (There must be a particle, too.)
 bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options);
 
+// Into `list`, whose memory is used again. With `in_order` the targets follow each other in space as they are
+// (sort_by_bricks in all_targets.hpp). False, and the list unchanged, where the cloud is refused.
 template <int D, class Scalar>
-std::optional<NeighbourList<Scalar>> find_by_cells(const PointCloud<Scalar>& particles,
-                                                   const PointCloud<Scalar>& targets,
-                                                   const NeighbourRule& rule,
-                                                   const PeriodicDomain<Scalar>& domain,
-                                                   const NeighbourOptions& options,
-                                                   bool may_build_tree);
+bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& targets,
+                   const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
+                   const NeighbourOptions& options, bool may_build_tree, bool in_order,
+                   NeighbourList<Scalar>& list);
 
 }  // namespace recon::detail

@@ -32,11 +32,12 @@ class CellTargets {
       --skip_;
       return find_in_tree(target);
     }
-    gathered_.start(x, shared_.tree.worthwhile() ? shared_.tree.hard_work() : INT64_MAX);
+    const bool tree = shared_.may_build_tree && shared_.index.tree_is_worthwhile();
+    gathered_.start(x, tree ? shared_.hard_work : INT64_MAX);
     S rho = 0;
     const Outcome outcome =
         shared_.question.nearest ? nearest(target, rho) : all_within(target, rho);
-    shared_.tree.add(gathered_.work());
+    if (gathered_.work() > shared_.hard_work) shared_.index.add_hard_work(gathered_.work());
     if (outcome == Outcome::too_much_work) {
       skip_ = next_skip_;
       next_skip_ = std::min(2 * next_skip_ + 1, 63);
@@ -45,7 +46,7 @@ class CellTargets {
     next_skip_ = 0;
     if (outcome == Outcome::not_covered) {
       if (!general_)
-        general_.emplace(shared_.grid, shared_.particles, shared_.targets, shared_.domain,
+        general_.emplace(*shared_.grid, shared_.particles, shared_.targets, shared_.domain,
                          shared_.options, shared_.spacing);
       return find_with(*general_, target);
     }
@@ -140,9 +141,11 @@ class CellTargets {
   // ---- Targets that are left to others -------------------------------------------------------
 
   S find_in_tree(std::size_t target) {
-    if (!in_tree_)
-      in_tree_.emplace(shared_.tree.get(), shared_.particles, shared_.targets, shared_.domain,
-                       shared_.options, shared_.spacing);
+    if (!in_tree_) {
+      tree_ = shared_.index.kd_tree();
+      in_tree_.emplace(*tree_, shared_.particles, shared_.targets, shared_.domain, shared_.options,
+                       shared_.spacing);
+    }
     return find_with(*in_tree_, target);
   }
 
@@ -162,6 +165,7 @@ class CellTargets {
   double near_;                   // k-th distance of the latest targets
   int skip_ = 0, next_skip_ = 0;  // targets to be left to the tree without a try
   std::optional<TargetNeighbours<CellGrid<S, D>>> general_;
+  std::shared_ptr<const KdTree<S, D>> tree_;
   std::optional<TargetNeighbours<KdTree<S, D>>> in_tree_;
 };
 

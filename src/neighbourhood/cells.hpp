@@ -13,9 +13,11 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/counting_sort.hpp"
 #include "neighbourhood/cell_kernel.hpp"
-#include "neighbourhood/cell_sort.hpp"
 #include "recon/core/error.hpp"
+#include "recon/core/parallel.hpp"
+#include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/point_cloud.hpp"
 
 namespace recon::detail {
@@ -44,27 +46,59 @@ class Cells {
  public:
   using Point = std::array<S, D>;
 
-  // Throws InvalidArgument for a cell size that is not positive and finite.
-  Cells(const PointCloud<S>& cloud, double cell_size, int threads) {
+  Cells() = default;
+  Cells(const Cells&) = delete;
+  Cells& operator=(const Cells&) = delete;
+
+  // Sorts the points anew, into the memory that there is. Throws InvalidArgument for a cell size that is
+  // not positive and finite.
+  void build(const PointCloud<S>& cloud, double cell_size, int threads) {
     require(cell_size > 0 && std::isfinite(cell_size), "cell_size", cell_size,
             "must be positive and finite");
     require(cloud.dimension() == D, "dimension of the points", cloud.dimension(),
             "must be the dimension of the search");
+    view_ = {};
     size_ = std::max(cell_size, 4 * std::numeric_limits<double>::min());
     if (cloud.size() > 0) choose_counts(cloud);
     view_.size = size_;
     view_.inverse = 1 / size_;
-    first_.resize(cells() + 1);
-    sorted_ = sort_by_key<D>(
-        cloud, cells(), [this](const Point& x) { return cell_of(x); }, threads, first_.data());
-    for (int d = 0; d < D; ++d) view_.x[d] = sorted_.x[d].get();
-    view_.index = sorted_.index.get();
-    view_.first = first_.data();
+    const std::size_t n = cloud.size();
+    const std::span<std::uint32_t> key = sort_.keys(n);
+    recon::parallel_blocks(n, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        key[i] = static_cast<std::uint32_t>(cell_of(cloud.template point<D>(i)));
+    });
+    sort_.sort(cells(), threads);
+    for (auto& axis : x_) axis.resize(n + padding);
+    index_.resize(n + padding);
+    recon::parallel_blocks(n, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        index_[p] = sort_.order()[p];
+        for (int d = 0; d < D; ++d) x_[d][p] = cloud(index_[p], d);
+      }
+    });
+    std::fill_n(index_.begin() + static_cast<std::ptrdiff_t>(n), padding, ParticleIndex{0});
+    for (auto& axis : x_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(n), padding, S(0));
+    particles_ = n;
+    double squares = 0;
+    for (std::size_t c = 0; c < cells(); ++c) {
+      const double here = static_cast<double>(sort_.first()[c + 1] - sort_.first()[c]);
+      squares += here * here;
+    }
+    mean_company_ = n == 0 ? 0 : squares / static_cast<double>(n);
+    for (int d = 0; d < D; ++d) view_.x[d] = x_[d].data();
+    view_.index = index_.data();
+    view_.first = sort_.first().data();
   }
-  Cells(const Cells&) = delete;
-  Cells& operator=(const Cells&) = delete;
 
-  std::size_t particles() const { return sorted_.size; }
+  // From now on particles are numbered by their places; those in order() keep the numbers that they had.
+  void number_by_place() {
+    for (std::size_t p = 0; p < particles_; ++p) index_[p] = static_cast<ParticleIndex>(p);
+  }
+  // The number in the cloud of the particle at each place.
+  std::span<const std::uint32_t> order() const { return sort_.order(); }
+
+  std::size_t particles() const { return particles_; }
   double size() const { return size_; }  // edge of a cell
   double lower(int d) const { return view_.lower[d]; }
   double upper(int d) const { return view_.upper[d]; }
@@ -74,7 +108,12 @@ class Cells {
            static_cast<std::size_t>(count(2));
   }
   const CellView<S>& view() const { return view_; }
-  const SortedPoints<S, D>& sorted() const { return sorted_; }
+  Point point(std::size_t place) const {
+    Point x;
+    for (int d = 0; d < D; ++d) x[d] = x_[d][place];
+    return x;
+  }
+  ParticleIndex index(std::size_t place) const { return index_[place]; }
 
   // The cell of a coordinate along an axis; those outside count to the border cells. Never
   // decreases with x, in spite of rounding: so p in [a, b] lies in a cell from cell(a) to cell(b).
@@ -91,18 +130,11 @@ class Cells {
     return static_cast<std::size_t>(row_of_cells(view_.counts, at[1], at[2]) + at[0]);
   }
 
-  // Particles in the cell, squared and summed over all cells, per particle: how many share a cell
-  // with a particle.
-  double mean_company() const {
-    double sum = 0;
-    for (std::size_t c = 0; c < cells(); ++c) {
-      const double here = static_cast<double>(first_[c + 1] - first_[c]);
-      sum += here * here;
-    }
-    return particles() == 0 ? 0 : sum / static_cast<double>(particles());
-  }
+  // How many particles share the cell of a particle, on average over the particles.
+  double mean_company() const { return mean_company_; }
 
  private:
+  static constexpr std::size_t padding = 16, points_per_block = 16384;
   static constexpr double least_cells = 64, most_cells_per_particle = 4, most_cells = 4e9;
 
   // Cells that cover the bounding box; they grow until they are few enough.
@@ -126,10 +158,12 @@ class Cells {
       view_.counts[d] = static_cast<std::int64_t>((upper(d) - lower(d)) / size_) + 1;
   }
 
-  double size_;
+  std::size_t particles_ = 0;
+  double size_ = 1, mean_company_ = 0;
   CellView<S> view_;
-  std::vector<ParticleIndex> first_;
-  SortedPoints<S, D> sorted_;
+  CountingSort sort_;
+  std::array<Array<S>, D> x_;  // longer than the particles by `padding`, as index_ is
+  Array<ParticleIndex> index_;
 };
 
 }  // namespace recon::detail

@@ -1,11 +1,11 @@
 #include "recon/neighbourhood/find_neighbours.hpp"
 
+#include <type_traits>
+
+#include "core/instantiate.hpp"
 #include "neighbourhood/cell_search.hpp"
-#include "recon/neighbourhood/brute_force.hpp"
-#include "recon/neighbourhood/cell_grid.hpp"
+#include "neighbourhood/find_with_index.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
-#include "recon/neighbourhood/kd_tree.hpp"
-#include "recon/neighbourhood/r_tree.hpp"
 
 namespace recon {
 
@@ -19,60 +19,79 @@ SearchMethod chosen(SearchMethod method, const NeighbourRule& rule) {
   return std::holds_alternative<Radius>(rule) ? SearchMethod::cell_grid : SearchMethod::kd_tree;
 }
 
-template <class Scalar, int D>
-CellGrid<Scalar, D> cell_grid(const PointCloud<Scalar>& particles, const NeighbourRule& rule) {
-  if (const auto* radius = std::get_if<Radius>(&rule))
-    return CellGrid<Scalar, D>(particles, radius->radius / 2);
-  return CellGrid<Scalar, D>(particles);
-}
-
-template <int D, class Scalar>
-NeighbourList<Scalar> find(const PointCloud<Scalar>& particles, const PointCloud<Scalar>& targets,
-                           const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
-                           const NeighbourOptions& options) {
-  const auto with = [&](const auto& search) {
-    return find_neighbours_with(search, particles, targets, rule, domain, options);
-  };
-  const bool automatic = options.search == SearchMethod::automatic;
-  if (automatic && particles.size() <= few_particles) return with(BruteForce<Scalar, D>(particles));
-  if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
-      detail::covered_by_cells(rule, options)) {
-    auto list = detail::find_by_cells<D>(particles, targets, rule, domain, options, automatic);
-    if (list) {
-      list->support_factor = detail::support_factor<Scalar>(rule);
-      return *std::move(list);
-    }
-    return with(KdTree<Scalar, D>(particles));
-  }
-  switch (chosen(options.search, rule)) {
-    case SearchMethod::cell_grid:
-      return with(cell_grid<Scalar, D>(particles, rule));
-    case SearchMethod::r_tree:
-      return with(RTree<Scalar, D>(particles));
-    case SearchMethod::brute_force:
-      return with(BruteForce<Scalar, D>(particles));
-    default:
-      return with(KdTree<Scalar, D>(particles));
-  }
+// Half the radius is a good size of cells for Radius; 0, a size by density, for the others.
+double cell_size(const NeighbourRule& rule) {
+  const auto* radius = std::get_if<Radius>(&rule);
+  return radius ? radius->radius / 2 : 0;
 }
 
 }  // namespace
+
+namespace detail {
+
+template <int D, class Scalar>
+void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets,
+                     const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
+                     const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list) {
+  require_valid_rule<Scalar>(rule, targets.size());  // before a search is built for it
+  static_cast<void>(resolved(options.instruction_set));
+  const PointCloud<Scalar>& particles = index.cloud();
+  require(targets.dimension() == particles.dimension(), "dimension of the targets",
+          targets.dimension(), "must be the dimension of the particles");
+  const auto with = [&](const auto& search) {
+    list = find_neighbours_with(*search, particles, targets, rule, domain, options);
+  };
+  const bool automatic = options.search == SearchMethod::automatic;
+  if (automatic && particles.size() <= few_particles) return with(index.brute_force());
+  if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
+      covered_by_cells(rule, options)) {
+    if (!find_by_cells<D>(index, targets, rule, domain, options, automatic, in_order, list))
+      with(index.kd_tree());
+    return;
+  }
+  switch (chosen(options.search, rule)) {
+    case SearchMethod::cell_grid:
+      return with(index.cells(cell_size(rule), options.threads));
+    case SearchMethod::r_tree:
+      return with(index.r_tree());
+    case SearchMethod::brute_force:
+      return with(index.brute_force());
+    default:
+      return with(index.kd_tree());
+  }
+}
+
+#define RECON_INSTANTIATE(S, D)                                                       \
+  template void find_with_index<D, S>(SearchIndex<S, D>&, const PointCloud<S>&,       \
+                                      const NeighbourRule&, const PeriodicDomain<S>&, \
+                                      const NeighbourOptions&, bool, NeighbourList<S>&)
+RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
+#undef RECON_INSTANTIATE
+
+}  // namespace detail
 
 template <class Scalar>
 NeighbourList<Scalar> find_neighbours(const PointCloud<Scalar>& particles,
                                       const PointCloud<Scalar>& targets, const NeighbourRule& rule,
                                       const PeriodicDomain<Scalar>& domain,
                                       const NeighbourOptions& options) {
-  detail::require_valid_rule<Scalar>(rule, targets.size());  // before a search is built for it
-  static_cast<void>(resolved(options.instruction_set));
+  NeighbourList<Scalar> list;
+  const auto find = [&]<int D>(std::integral_constant<int, D>) {
+    detail::SearchIndex<Scalar, D> index(particles);
+    detail::find_with_index<D>(index, targets, rule, domain, options, false, list);
+  };
   switch (particles.dimension()) {
     case 1:
-      return find<1>(particles, targets, rule, domain, options);
+      find(std::integral_constant<int, 1>{});
+      break;
     case 2:
-      return find<2>(particles, targets, rule, domain, options);
+      find(std::integral_constant<int, 2>{});
+      break;
     default:
-      return find<3>(particles, targets, rule, domain, options);
+      find(std::integral_constant<int, 3>{});
+      break;
   }
+  return list;
 }
 
 template NeighbourList<float> find_neighbours(const PointCloud<float>&, const PointCloud<float>&,

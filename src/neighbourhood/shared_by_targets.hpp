@@ -8,9 +8,7 @@
 #include <span>
 #include <variant>
 
-#include "neighbourhood/cells.hpp"
-#include "neighbourhood/tree_for_hard_targets.hpp"
-#include "recon/neighbourhood/cell_grid.hpp"
+#include "neighbourhood/search_index.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
 
 namespace recon::detail {
@@ -66,43 +64,46 @@ struct SearchKernels {
 
 template <class S, int D>
 struct SharedByTargets {
+  SearchIndex<S, D>& index;
   const PointCloud<S>& particles;
   const PointCloud<S>& targets;
   const NeighbourRule& rule;
   const PeriodicDomain<S>& domain;
   const NeighbourOptions& options;
   const Question<S> question;
-  const CellGrid<S, D> grid;
+  const std::shared_ptr<const CellGrid<S, D>> grid;
   const SearchKernels<S, D> kernels;
   const S spacing;
   int axes = 0;         // along which the particles extend
   double start = 0;     // a first guess of the k-th distance
   double widening = 1;  // by which guesses exceed the k-th distance
   double least_period = 0;
-  TreeForHardTargets<S, D> tree;
+  const bool may_build_tree;
+  const std::int64_t hard_work;  // for one target that a query of a tree would not exceed by much
 
-  static double cell_size(const PointCloud<S>& points, const Question<S>& question) {
-    constexpr double particles_per_cell = 3;
-    const double size = density_cell_size(points, particles_per_cell);
-    if (question.nearest) return size;
+  // Half the radius; 0, the size by density, for the k nearest.
+  static double cell_size(const Question<S>& question) {
+    if (question.nearest) return 0;
     auto radius = static_cast<double>(question.radius);
     for (const double r : question.radii) radius += r / static_cast<double>(question.radii.size());
-    return std::clamp(radius / 2, size, std::numeric_limits<double>::max());
+    return std::min(radius / 2, std::numeric_limits<double>::max());
   }
 
-  SharedByTargets(const PointCloud<S>& all_particles, const PointCloud<S>& all_targets,
+  SharedByTargets(SearchIndex<S, D>& searches, const PointCloud<S>& all_targets,
                   const NeighbourRule& neighbour_rule, const PeriodicDomain<S>& where,
-                  const NeighbourOptions& how, bool may_build_tree)
-      : particles(all_particles),
+                  const NeighbourOptions& how, bool tree_allowed)
+      : index(searches),
+        particles(searches.cloud()),
         targets(all_targets),
         rule(neighbour_rule),
         domain(where),
         options(how),
         question(rule),
-        grid(particles, cell_size(particles, question), options.threads),
+        grid(index.cells(cell_size(question), options.threads)),
         kernels(resolved(options.instruction_set), options.shape, question.nearest),
         spacing(mean_spacing(particles, domain)),
-        tree(particles, may_build_tree, question.k) {
+        may_build_tree(tree_allowed),
+        hard_work(8000 + 100 * static_cast<std::int64_t>(question.k)) {
     for (int d = 0; d < D; ++d) axes += particles.box().extent(d) > 0;
     axes = std::max(axes, 1);
     const auto k = static_cast<double>(question.k);

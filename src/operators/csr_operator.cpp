@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "neighbourhood/cloud.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/core/sums.hpp"
@@ -146,34 +147,60 @@ std::vector<detail::DataRange<Scalar>> ranges_of(const Array<Scalar>& in, std::s
 template <class Scalar>
 std::size_t SparsityPattern<Scalar>::row(std::size_t target) const {
   if (target_of.empty()) return target;
-  std::call_once(once_row_of_, [this] {
-    std::vector<std::uint32_t> places(target_of.size());
-    for (std::size_t i = 0; i < places.size(); ++i)
-      places[target_of[i]] = static_cast<std::uint32_t>(i);
-    row_of_ = std::move(places);
-  });
+  if (has_row_of_) return row_of_[target];
+  const std::lock_guard lock(mutex_);
+  if (!has_row_of_) {
+    row_of_.resize(target_of.size());
+    for (std::size_t i = 0; i < target_of.size(); ++i)
+      row_of_[target_of[i]] = static_cast<std::uint32_t>(i);
+    has_row_of_ = true;
+  }
   return row_of_[target];
 }
 
 template <class Scalar>
+void SparsityPattern<Scalar>::require_current() const {
+  if (cloud && cloud->version() != version)
+    detail::throw_invalid("positions", "those before an update of the Sources",
+                          "must be the present ones: call update() of the reconstruction");
+}
+
+template <class Scalar>
+void SparsityPattern<Scalar>::start_anew() {
+  has_transposed_ = has_row_of_ = false;
+}
+
+template <class Scalar>
 const typename SparsityPattern<Scalar>::Transposed& SparsityPattern<Scalar>::transposed() const {
-  std::call_once(once_transposed_, [this] {
-    const Array<ParticleIndex>& indices = neighbours.indices;
-    Transposed t;
-    t.offsets.assign(columns + 1, 0);
-    for (const ParticleIndex p : indices) ++t.offsets[p + 1];
-    for (std::size_t p = 0; p < columns; ++p) t.offsets[p + 1] += t.offsets[p];
-    t.entries.resize(indices.size());
-    t.rows.resize(indices.size());
-    std::vector<std::int64_t> next(t.offsets.begin(), t.offsets.end() - 1);
-    for (std::size_t row = 0; row < rows(); ++row)
-      for (std::int64_t e = neighbours.offsets[row]; e < neighbours.offsets[row + 1]; ++e) {
-        const std::int64_t at = next[indices[e]]++;
-        t.entries[at] = e;
-        t.rows[at] = static_cast<std::uint32_t>(row);
-      }
-    transposed_ = std::move(t);
-  });
+  if (has_transposed_) return transposed_;
+  const std::lock_guard lock(mutex_);
+  if (has_transposed_) return transposed_;
+  const Array<ParticleIndex>& indices = neighbours.indices;
+  std::span<const std::uint32_t> place_of;
+  Transposed& t = transposed_;
+  if (cloud) {
+    place_of = cloud->place_of();
+    t.particle_of = cloud->caller_of();
+  }
+  const auto column = [&](std::int64_t e) {
+    return place_of.empty() ? indices[e] : place_of[indices[e]];
+  };
+  const auto count = static_cast<std::int64_t>(indices.size());
+  t.offsets.assign(columns + 1, std::int64_t{0});
+  for (std::int64_t e = 0; e < count; ++e) ++t.offsets[column(e) + 1];
+  for (std::size_t p = 0; p < columns; ++p) t.offsets[p + 1] += t.offsets[p];
+  t.entries.resize(indices.size());
+  t.rows.resize(indices.size());
+  // Each offset moves on to the end of its column, which is where the next begins.
+  for (std::size_t row = 0; row < rows(); ++row)
+    for (std::int64_t e = neighbours.offsets[row]; e < neighbours.offsets[row + 1]; ++e) {
+      const std::int64_t at = t.offsets[column(e)]++;
+      t.entries[at] = e;
+      t.rows[at] = static_cast<std::uint32_t>(row);
+    }
+  for (std::size_t p = columns; p > 0; --p) t.offsets[p] = t.offsets[p - 1];
+  t.offsets[0] = 0;
+  has_transposed_ = true;
   return transposed_;
 }
 
@@ -214,7 +241,8 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<
   require(out.components() == width, "components of the output", out.components(),
           "must be those of the field times the operator's blocks");
   const SparsityPattern<Scalar>& pattern = *pattern_;
-  const Array<Scalar> in = gather<Scalar>(field, pattern.particle_of, {}, threads_);
+  pattern.require_current();
+  const Array<Scalar> in = gather<Scalar>(field, {}, {}, threads_);
   std::vector<detail::DataRange<Scalar>> all;
   if (limit != Limit::none) all = ranges_of(in, static_cast<std::size_t>(width));
 
@@ -275,6 +303,7 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
   require(out.components() == components, "components of the output", out.components(),
           "must be those of the field divided by the operator's blocks");
   const SparsityPattern<Scalar>& pattern = *pattern_;
+  pattern.require_current();
   const Array<Scalar> in = gather<Scalar>(field, pattern.target_of, pattern.empty_rows, threads_);
   const auto& columns_of = pattern.transposed();
   const auto stride = static_cast<std::size_t>(field.components());
@@ -306,7 +335,8 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
         }
         for (int c = 0; c < components; ++c) sums[c] += lost[c];
       }
-      const ParticleIndex p = pattern.particle(column);
+      const std::size_t p =
+          columns_of.particle_of.empty() ? column : columns_of.particle_of[column];
       if (!all_finite(sums.data(), components)) [[unlikely]]
         mend_overflow(sums.data(), components, "particle ", p, [&](int c) {
           return detail::scaled_sum_of_products<Scalar>(

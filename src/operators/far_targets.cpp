@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/instantiate.hpp"
 #include "operators/list_rows.hpp"
 #include "recon/core/parallel.hpp"
 
@@ -26,9 +25,13 @@ struct Nearness {
 template <class Scalar>
 class FarTargets {
  public:
-  FarTargets(const PointCloud<Scalar>& particles, const PointCloud<Scalar>& targets,
-             const PeriodicDomain<Scalar>& domain, const NeighbourOptions& search)
-      : particles_(particles), targets_(targets), domain_(domain), search_(search) {
+  FarTargets(const Cloud<Scalar>& cloud, const PointCloud<Scalar>& targets,
+             const NeighbourOptions& search)
+      : cloud_(cloud),
+        particles_(cloud.points()),
+        targets_(targets),
+        domain_(cloud.domain()),
+        search_(search) {
     search_.shape = SupportShape::ball;
   }
 
@@ -121,7 +124,8 @@ class FarTargets {
     if (search_.visible)
       search.visible = [&](std::size_t t, std::size_t p) { return search_.visible(rest[t], p); };
     const PointCloud<Scalar> at = subset(targets_, rest);
-    const auto list = find_neighbours(particles_, at, Nearest{1}, domain_, search);
+    NeighbourList<Scalar> list;
+    cloud_.find(at, Nearest{1}, search, true, list);
     for (std::size_t i = 0; i < rest.size(); ++i)
       if (list.count(i) > 0)
         near[rest[i]] = {list.indices[list.offsets[i]],
@@ -139,7 +143,8 @@ class FarTargets {
       std::vector<std::size_t> asked, still;
       for (const std::size_t i : rest) asked.push_back(chosen[i]);
       const PointCloud<Scalar> at = subset(particles_, asked);
-      const auto list = find_neighbours(particles_, at, Nearest{ask}, domain_, all);
+      NeighbourList<Scalar> list;
+      cloud_.find(at, Nearest{ask}, all, true, list);
       for (std::size_t i = 0; i < rest.size(); ++i) {
         const bool found = spacing_in_list(at, i, list, spacings[rest[i]]);
         if (!found && static_cast<std::size_t>(list.count(i)) == ask) still.push_back(rest[i]);
@@ -169,6 +174,7 @@ class FarTargets {
     return false;
   }
 
+  const Cloud<Scalar>& cloud_;
   const PointCloud<Scalar>& particles_;
   const PointCloud<Scalar>& targets_;
   const PeriodicDomain<Scalar>& domain_;
@@ -178,23 +184,22 @@ class FarTargets {
 }  // namespace
 
 template <class Scalar>
-std::vector<std::size_t> far_targets(const PointCloud<Scalar>& particles,
-                                     const PointCloud<Scalar>& targets,
-                                     const PeriodicDomain<Scalar>& domain,
+std::vector<std::size_t> far_targets(const Cloud<Scalar>& cloud, const PointCloud<Scalar>& targets,
                                      const NeighbourList<Scalar>& neighbours, double multiple,
                                      bool complete, const NeighbourOptions& search) {
+  const PointCloud<Scalar>& particles = cloud.points();
   bool extended = false;
   for (int d = 0; d < particles.dimension() && particles.size() > 0; ++d)
-    extended = extended || domain.periodic[d] || particles.box().extent(d) > 0;
+    extended = extended || cloud.domain().periodic[d] || particles.box().extent(d) > 0;
   if (std::isinf(multiple) || !extended) return {};
-  return FarTargets<Scalar>(particles, targets, domain, search)
+  return FarTargets<Scalar>(cloud, targets, search)
       .find(neighbours, static_cast<Scalar>(multiple), complete && !search.visible);
 }
 
-#define RECON_INSTANTIATE(S)                                                                       \
-  template std::vector<std::size_t> far_targets(const PointCloud<S>&, const PointCloud<S>&,        \
-                                                const PeriodicDomain<S>&, const NeighbourList<S>&, \
-                                                double, bool, const NeighbourOptions&)
+#define RECON_INSTANTIATE(S)                                                           \
+  template std::vector<std::size_t> far_targets(const Cloud<S>&, const PointCloud<S>&, \
+                                                const NeighbourList<S>&, double, bool, \
+                                                const NeighbourOptions&)
 RECON_INSTANTIATE(float);
 RECON_INSTANTIATE(double);
 #undef RECON_INSTANTIATE

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "recon/neighbourhood/find_neighbours.hpp"
+#include "neighbourhood/cloud.hpp"
 
 namespace recon::detail {
 
@@ -12,12 +12,10 @@ namespace recon::detail {
 // there: the distance from that particle to its neighbour number 2 D + 3, of particles at one place counting
 // one. None where all particles are at one place, which has no spacing, and where `multiple` is infinite.
 //
-// `neighbours` are those of the targets, found with `search`; they save most of the work. Where they are
-// `complete`, every particle within the distance of a target's farthest one is in its list.
+// `neighbours` are those of the targets in numbers of places, found with `search`; they save most of the work.
+// Where they are `complete`, every particle within the distance of a target's farthest one is in its list.
 template <class Scalar>
-std::vector<std::size_t> far_targets(const PointCloud<Scalar>& particles,
-                                     const PointCloud<Scalar>& targets,
-                                     const PeriodicDomain<Scalar>& domain,
+std::vector<std::size_t> far_targets(const Cloud<Scalar>& cloud, const PointCloud<Scalar>& targets,
                                      const NeighbourList<Scalar>& neighbours, double multiple,
                                      bool complete, const NeighbourOptions& search);
 

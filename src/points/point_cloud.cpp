@@ -4,30 +4,37 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include "recon/core/parallel.hpp"
 
 namespace recon {
 namespace {
 
-constexpr std::size_t points_per_block = 16384;
+constexpr std::size_t points_per_block = 16384, most_blocks = 256;
 
 }  // namespace
 
 template <class Scalar>
 PointCloud<Scalar>::PointCloud(const PointsView<Scalar>& points, const char* name,
-                               const PeriodicDomain<Scalar>& domain, int threads)
-    : dimension_(points.dimension()),
-      size_(points.size()),
-      box_(Box<Scalar>::empty(points.dimension())) {
+                               const PeriodicDomain<Scalar>& domain, int threads) {
+  assign(points, name, domain, threads);
+}
+
+template <class Scalar>
+void PointCloud<Scalar>::assign(const PointsView<Scalar>& points, const char* name,
+                                const PeriodicDomain<Scalar>& domain, int threads) {
+  dimension_ = points.dimension();
+  size_ = points.size();
+  box_ = Box<Scalar>::empty(dimension_);
   require(size_ < 0xFFFFFFFFu, name, size_, "must be fewer than 2^32 - 1 points");
   domain.validate(dimension_);
   coordinates_.resize(size_ * static_cast<std::size_t>(dimension_));
-  std::vector<Box<Scalar>> boxes((size_ + points_per_block - 1) / points_per_block, box_);
-  parallel_blocks(size_, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+  std::array<Box<Scalar>, most_blocks> boxes;
+  boxes.fill(box_);
+  const std::size_t block = std::max(points_per_block, (size_ + most_blocks - 1) / most_blocks);
+  parallel_blocks(size_, block, threads, [&](std::size_t begin, std::size_t end) {
     for (int d = 0; d < dimension_; ++d)
-      copy_axis(points, begin, end, d, name, domain, boxes[begin / points_per_block]);
+      copy_axis(points, begin, end, d, name, domain, boxes[begin / block]);
   });
   for (const Box<Scalar>& box : boxes)
     for (int d = 0; d < dimension_; ++d) {
@@ -71,19 +78,25 @@ void PointCloud<Scalar>::copy_axis(const PointsView<Scalar>& points, std::size_t
 }
 
 template <class Scalar>
+void PointCloud<Scalar>::assign_permuted(const PointCloud& other,
+                                         std::span<const std::uint32_t> order, int threads) {
+  dimension_ = other.dimension_;
+  size_ = order.size();
+  box_ = other.box_;
+  const auto stride = static_cast<std::size_t>(dimension_);
+  coordinates_.resize(size_ * stride);
+  parallel_blocks(size_, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t d = 0; d < stride; ++d)
+        coordinates_[i * stride + d] = other.coordinates_[order[i] * stride + d];
+  });
+}
+
+template <class Scalar>
 PointCloud<Scalar> PointCloud<Scalar>::permuted(std::span<const std::uint32_t> order,
                                                 int threads) const {
   PointCloud out;
-  out.dimension_ = dimension_;
-  out.size_ = order.size();
-  out.box_ = box_;
-  const auto stride = static_cast<std::size_t>(dimension_);
-  out.coordinates_.resize(order.size() * stride);
-  parallel_blocks(order.size(), points_per_block, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t d = 0; d < stride; ++d)
-        out.coordinates_[i * stride + d] = coordinates_[order[i] * stride + d];
-  });
+  out.assign_permuted(*this, order, threads);
   return out;
 }
 

@@ -84,16 +84,16 @@ class Kernel final : public ShapeKernel<Scalar> {
     void gather(const ShapeProblem<Scalar>& problem, std::size_t t, bool slopes) {
       const auto& list = problem.neighbours;
       const std::array<Scalar, D> x = problem.targets.template point<D>(t);
-      const ParticleIndex* index = list.indices.data() + list.offsets[t];
+      const ParticleIndex* index = list.indices + list.offsets[t];
       const int n = static_cast<int>(list.count(t));
       stencil_.start(x, list.support[t], n);
       for (int d = 0; d < D; ++d) {
         const Scalar* axis = problem.particles.data() + d;
         Scalar* offset = stencil_.offsets(d);
-        if (list.shifts.empty() || !problem.domain.periodic[d]) {
+        if (list.shifts == nullptr || !problem.domain.periodic[d]) {
           for (int p = 0; p < n; ++p) offset[p] = axis[std::size_t{index[p]} * D] - x[d];
         } else {
-          const ImageShift* shift = list.shifts.data() + list.offsets[t];
+          const ImageShift* shift = list.shifts + list.offsets[t];
           const Scalar period = problem.domain.period(d);
           for (int p = 0; p < n; ++p)
             offset[p] = (axis[std::size_t{index[p]} * D] - x[d]) + shift[p][d] * period;
@@ -115,17 +115,17 @@ class Kernel final : public ShapeKernel<Scalar> {
   LaneTask<Scalar> lane_task(const ShapeProblem<Scalar>& problem, std::size_t begin,
                              std::size_t end, const ShapeRows<Scalar>& rows,
                              LaneReport* reports) const {
-    const NeighbourList<Scalar>& list = problem.neighbours;
+    const NeighbourListView<Scalar>& list = problem.neighbours;
     LaneTask<Scalar> task;
     for (int d = 0; d < D; ++d) {
       if (problem.domain.periodic[d]) task.period[d] = problem.domain.period(d);
     }
     task.particles = problem.particles.data();
     task.targets = problem.targets.data();
-    task.offsets = list.offsets.data();
-    task.indices = list.indices.data();
-    task.shifts = list.shifts.empty() ? nullptr : list.shifts.data();
-    task.support = list.support.data();
+    task.offsets = list.offsets;
+    task.indices = list.indices;
+    task.shifts = list.shifts;
+    task.support = list.support;
     task.support_factor = list.support_factor;
     task.particle_weights = problem.particle_weights;
     task.axis_scale = problem.axis_scale;

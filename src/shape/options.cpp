@@ -1,15 +1,11 @@
 #include "recon/shape/options.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 namespace recon {
 
 void Options::validate() const {
   require(degree >= 0 && degree <= 4, "degree", degree, "must be 0 to 4");
-  for (const double factor : stretch)
-    require(std::isfinite(factor) && factor > 0, "stretch", factor, "must be positive and finite");
   require(max_distance > 0, "max_distance", max_distance, "must be positive (infinity: no limit)");
   require(grow.steps >= 0, "grow.steps", grow.steps, "must not be negative");
   require(std::isfinite(grow.factor) && grow.factor > 1, "grow.factor", grow.factor,
@@ -24,22 +20,7 @@ void Options::validate() const {
           static_cast<int>(form), "must be an enumerator of recon::WeightForm");
   require(static_cast<int>(solver) <= static_cast<int>(Solver::svd), "solver",
           static_cast<int>(solver), "must be an enumerator of recon::Solver");
-
-  // Within this range floats hold every ratio.
-  constexpr double least_ratio = 1e-30;
-  double largest = 0;
-  for (std::size_t p = 0; p < particle_weights.size(); ++p) {
-    const double value = particle_weights[p];
-    if (!(std::isfinite(value) && value > 0)) [[unlikely]]
-      detail::throw_invalid("particle_weights of particle " + std::to_string(p), value,
-                            "must be positive and finite");
-    largest = std::max(largest, value);
-  }
-  for (std::size_t p = 0; p < particle_weights.size(); ++p)
-    if (!(particle_weights[p] >= least_ratio * largest)) [[unlikely]]
-      detail::throw_invalid(
-          "particle_weights of particle " + std::to_string(p), particle_weights[p],
-          "must not be smaller than 1e-30 times the largest, " + detail::to_text(largest));
+  sources().validate();
 }
 
 }  // namespace recon

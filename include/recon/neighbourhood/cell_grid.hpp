@@ -56,6 +56,7 @@ class CellGrid {
 
   // What the batch search reads; complete in the compiled part of recon only.
   const detail::Cells<Scalar, D>& sorted_cells() const;
+  detail::Cells<Scalar, D>& sorted_cells();
 
  private:
   struct Grid;

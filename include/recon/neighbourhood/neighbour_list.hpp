@@ -55,6 +55,26 @@ struct NeighbourList {
   void validate(std::size_t target_count, std::size_t particle_count) const;
 };
 
+// Reads a list that lives elsewhere; `shifts` is null in domains that are not periodic.
+template <class Scalar>
+struct NeighbourListView {
+  const std::int64_t* offsets = nullptr;
+  const ParticleIndex* indices = nullptr;
+  const ImageShift* shifts = nullptr;
+  const Scalar* support = nullptr;
+  Scalar support_factor = 0;
+
+  NeighbourListView() = default;
+  NeighbourListView(const NeighbourList<Scalar>& list)
+      : offsets(list.offsets.data()),
+        indices(list.indices.data()),
+        shifts(list.shifts.empty() ? nullptr : list.shifts.data()),
+        support(list.support.data()),
+        support_factor(list.support_factor) {}
+
+  std::int64_t count(std::size_t target) const { return offsets[target + 1] - offsets[target]; }
+};
+
 extern template struct NeighbourList<float>;
 extern template struct NeighbourList<double>;
 

@@ -15,14 +15,19 @@
 // InvalidArgument, naming target (or particle) and component. Results are never NaN or infinite,
 // but for `fill`.
 //
+// An operator made of Sources (neighbourhood/sources.hpp) is of their positions at that time: after an update
+// of the Sources apply() and apply_transpose() throw InvalidArgument.
+//
 // Rows without support hold no entries; apply() writes `fill` there, the transpose ignores them.
 // An operator is linear and never limited; limiting is a way to apply a reconstruction (limit.hpp).
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "recon/core/array.hpp"
@@ -32,37 +37,52 @@
 
 namespace recon {
 
-// Which particle each entry refers to, shared by a value operator and its derivatives.
+namespace detail {
+template <class Scalar>
+class Cloud;
+}
+
+// Which particle each entry refers to, in the caller's numbers: shared by a value operator and its
+// derivatives.
 //
-// Rows and columns may stand in an order of their own, in which neighbours in space follow each
-// other: row i belongs to target target_of[i], column j to particle particle_of[j].
+// Rows may stand in an order of their own, in which targets that follow each other are close in space:
+// row i belongs to target target_of[i].
 template <class Scalar>
 struct SparsityPattern {
   std::size_t columns = 0;           // particles
-  NeighbourList<Scalar> neighbours;  // of each row; a column may appear twice (images)
-  std::vector<std::uint32_t> target_of, particle_of;  // empty: rows are targets, columns particles
-  std::vector<std::uint32_t> empty_rows;              // rows without support, ascending
+  NeighbourList<Scalar> neighbours;  // of each row; a particle may appear twice (images)
+  Array<std::uint32_t> target_of;    // empty: rows are targets
+  Array<std::uint32_t> empty_rows;   // rows without support, ascending
+  // The Sources that it was made of, and the count of their updates at that time.
+  std::shared_ptr<const detail::Cloud<Scalar>> cloud;
+  std::uint64_t version = 0;
 
   std::size_t rows() const { return neighbours.targets(); }
   std::size_t target(std::size_t row) const { return target_of.empty() ? row : target_of[row]; }
-  ParticleIndex particle(std::size_t column) const {
-    return particle_of.empty() ? static_cast<ParticleIndex>(column) : particle_of[column];
-  }
   // The row of a target; the places of all are made on first use.
   std::size_t row(std::size_t target) const;
 
-  // The entries of each column in ascending order, made on first use.
+  // Throws InvalidArgument where the Sources have been updated since.
+  void require_current() const;
+
+  // The entries of each particle in ascending order, made on first use. Column i belongs to particle
+  // particle_of[i] (empty: i): the order of the Sources.
   struct Transposed {
-    std::vector<std::int64_t> offsets;
-    std::vector<std::int64_t> entries;
-    std::vector<std::uint32_t> rows;
+    std::span<const std::uint32_t> particle_of;
+    Array<std::int64_t> offsets;
+    Array<std::int64_t> entries;
+    Array<std::uint32_t> rows;
   };
   const Transposed& transposed() const;
 
+  // Forgets what was made on first use, for another list in the same memory.
+  void start_anew();
+
  private:
-  mutable std::once_flag once_transposed_, once_row_of_;
+  mutable std::mutex mutex_;
+  mutable std::atomic<bool> has_transposed_ = false, has_row_of_ = false;
   mutable Transposed transposed_;
-  mutable std::vector<std::uint32_t> row_of_;
+  mutable Array<std::uint32_t> row_of_;
 };
 
 template <class Scalar>
@@ -78,7 +98,7 @@ class CsrOperator {
    public:
     std::size_t size() const { return static_cast<std::size_t>(end_ - begin_); }
     ParticleIndex particle(std::size_t i) const {
-      return op_->pattern_->particle(op_->pattern_->neighbours.indices[begin_ + i]);
+      return op_->pattern_->neighbours.indices[begin_ + i];
     }
     Scalar value(std::size_t i, int block = 0) const {
       return op_->values_[(begin_ + i) * op_->blocks_ + block];
@@ -126,6 +146,11 @@ class CsrOperator {
   friend class BasicReconstruction<Scalar>;
   void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, Limit limit,
              std::uint32_t* limited) const;
+  // Leaves an operator without rows; for another one in the same memory.
+  Array<Scalar> give_up() {
+    pattern_ = std::make_shared<SparsityPattern<Scalar>>();
+    return std::move(values_);
+  }
 
   std::shared_ptr<const SparsityPattern<Scalar>> pattern_ =
       std::make_shared<SparsityPattern<Scalar>>();

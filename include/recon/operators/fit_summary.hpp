@@ -32,6 +32,9 @@ class FitReports {
   std::size_t no_support() const { return summary_.no_support; }
   std::size_t too_far() const { return summary_.too_far; }
 
+  // Leaves nothing here; for new reports in the same memory.
+  std::vector<FitReport> give_up() { return std::move(reports_); }
+
   // The targets with this status, ascending.
   std::vector<std::size_t> with_status(FitStatus status) const;
 

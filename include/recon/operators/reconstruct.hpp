@@ -22,6 +22,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "recon/neighbourhood/sources.hpp"
 #include "recon/operators/csr_operator.hpp"
 #include "recon/operators/fit_summary.hpp"
 #include "recon/operators/limit.hpp"
@@ -30,6 +31,11 @@
 #include "recon/shape/shape_kernel.hpp"
 
 namespace recon {
+
+namespace detail {
+template <class Scalar>
+class FitProblem;
+}
 
 template <class Scalar>
 class BasicReconstruction {
@@ -46,6 +52,21 @@ class BasicReconstruction {
   // the exact gradient, is said by NeighbourList::support_factor: by default they stand still.
   BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets,
                       NeighbourList<Scalar> neighbours, const Options& options);
+
+  // From particles that have been ordered before. Their periodic domain, stretch and weights are those of the
+  // Sources: InvalidArgument where the options say others.
+  BasicReconstruction(const BasicSources<Scalar>& sources, const PointsView<Scalar>& targets,
+                      const Options& options);
+  BasicReconstruction(const BasicSources<Scalar>& sources, const PointsView<Scalar>& targets,
+                      NeighbourList<Scalar> neighbours, const Options& options);
+
+  // The same for other targets, and for the present positions of the Sources, into the memory that there is;
+  // with another rule or list for the neighbours if one is given. The result equals that of a new
+  // reconstruction in every bit. Copies of this object keep what they have. Throws as the constructor does:
+  // where targets or neighbours are refused nothing has changed.
+  void update(const PointsView<Scalar>& targets);
+  void update(const PointsView<Scalar>& targets, const NeighbourRule& neighbours);
+  void update(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours);
 
   // sum_p phi_p(x_t) u_p for every target t and component; see CsrOperator. With {.limit =
   // Limit::range} each value is kept in the range of the data it is made of, with Limit::relaxed
@@ -76,7 +97,7 @@ class BasicReconstruction {
   // degree 2, and in directions in which the gradient is not resolved.
   CsrOperator<Scalar> hessian() const;
 
-  const FitReports& report() const { return reports_; }
+  const FitReports& report() const;
   // Who was near each target, and its support: a copy. A target whose status is `nearest` has the
   // nearest particle and a support that reaches it, not the one asked for. Among particles at the
   // same distance a nearest rule takes the first ones in a spatial order, not those of the smallest
@@ -87,15 +108,14 @@ class BasicReconstruction {
   int dimension() const;
 
  private:
-  struct Problem;
-  // Fits the problem's neighbours; a rule lets supports grow, a list of the caller's (null) does
-  // not.
-  void fit(std::shared_ptr<Problem> problem, const Options& options, const NeighbourRule* rule);
+  using Problem = detail::FitProblem<Scalar>;
+  template <class... Neighbours>
+  void fit(const PointsView<Scalar>& targets, Neighbours&&... neighbours);
   CsrOperator<Scalar> derivative(bool second, Derivative kind) const;
+  Scalar fill() const;
 
-  std::shared_ptr<const Problem> problem_;
+  std::shared_ptr<Problem> problem_;
   CsrOperator<Scalar> values_;
-  FitReports reports_;
 };
 
 using Reconstruction = BasicReconstruction<double>;
@@ -105,22 +125,39 @@ extern template class BasicReconstruction<float>;
 extern template class BasicReconstruction<double>;
 
 inline Reconstruction reconstruct(const PointsView<double>& points,
-                                  const PointsView<double>& targets, const Options& options) {
+                                  const PointsView<double>& targets, const Options& options = {}) {
   return {points, targets, options};
 }
 inline ReconstructionF reconstruct(const PointsView<float>& points,
-                                   const PointsView<float>& targets, const Options& options) {
+                                   const PointsView<float>& targets, const Options& options = {}) {
   return {points, targets, options};
 }
 inline Reconstruction reconstruct(const PointsView<double>& points,
                                   const PointsView<double>& targets,
-                                  NeighbourList<double> neighbours, const Options& options) {
+                                  NeighbourList<double> neighbours, const Options& options = {}) {
   return {points, targets, std::move(neighbours), options};
 }
 inline ReconstructionF reconstruct(const PointsView<float>& points,
                                    const PointsView<float>& targets,
-                                   NeighbourList<float> neighbours, const Options& options) {
+                                   NeighbourList<float> neighbours, const Options& options = {}) {
   return {points, targets, std::move(neighbours), options};
+}
+
+inline Reconstruction reconstruct(const Sources& sources, const PointsView<double>& targets,
+                                  const Options& options = {}) {
+  return {sources, targets, options};
+}
+inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<float>& targets,
+                                   const Options& options = {}) {
+  return {sources, targets, options};
+}
+inline Reconstruction reconstruct(const Sources& sources, const PointsView<double>& targets,
+                                  NeighbourList<double> neighbours, const Options& options = {}) {
+  return {sources, targets, std::move(neighbours), options};
+}
+inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<float>& targets,
+                                   NeighbourList<float> neighbours, const Options& options = {}) {
+  return {sources, targets, std::move(neighbours), options};
 }
 
 }  // namespace recon

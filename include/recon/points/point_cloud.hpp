@@ -25,7 +25,15 @@ class PointCloud {
   explicit PointCloud(const PointsView<Scalar>& points, const char* name = "points",
                       const PeriodicDomain<Scalar>& domain = {}, int threads = 0);
 
-  // The points order[0], order[1], ... of this cloud.
+  // As the constructor does, into the memory of this cloud where that is large enough.
+  void assign(const PointsView<Scalar>& points, const char* name = "points",
+              const PeriodicDomain<Scalar>& domain = {}, int threads = 0);
+
+  // The points order[0], order[1], ... of another cloud, into the memory of this one. The box stays
+  // that of the other cloud, whichever of its points are taken.
+  void assign_permuted(const PointCloud& other, std::span<const std::uint32_t> order,
+                       int threads = 0);
+  // The same as a new cloud.
   PointCloud permuted(std::span<const std::uint32_t> order, int threads = 0) const;
 
   std::size_t size() const { return size_; }

@@ -8,6 +8,7 @@
 #include "recon/core/instruction_set.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/neighbourhood/find_neighbours.hpp"
+#include "recon/neighbourhood/sources.hpp"
 #include "recon/points/domain.hpp"
 #include "recon/weights/weight.hpp"
 
@@ -33,10 +34,9 @@ struct Options {
   // w(q), q = |x - x_p| / rho; an enumerator or any object that is a RadialWeight.
   WeightFunction weight = Weight::cubic_b_spline;
   WeightForm form = WeightForm::radial;
-  // m_p, one number for each particle, for example its mass or volume: it multiplies w(q) in the
-  // fit, so that particles count in proportion to it. Positive and finite, none smaller than 1e-30
-  // times the largest; any unit, because only ratios matter. Empty: all ones. Read, and kept as a
-  // copy, when the reconstruction is made.
+  // m_p, one number for each particle: see SourcesOptions, whose members this, `stretch` and `domain` are.
+  // They belong to the particles: calls that take Sources have them from there, and throw InvalidArgument
+  // where they are said here.
   std::span<const double> particle_weights{};
   // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The
   // default is the nearest twice as many particles as there are basis terms, plus one. The support
@@ -45,7 +45,6 @@ struct Options {
   NeighbourRule neighbours = Nearest{0};
   Solver solver = Solver::gram_schmidt;
 
-  // Anisotropic supports: along axis d the support is rho * stretch[d] (all > 0, no unit).
   std::array<double, max_dimension> stretch{1, 1, 1};
   PeriodicDomain<double> domain{};
   SearchMethod search = SearchMethod::automatic;
@@ -67,6 +66,8 @@ struct Options {
   FitTolerances tolerances{};
   int threads = 0;  // 0: default_threads(); the results do not depend on it
   InstructionSet instruction_set = InstructionSet::automatic;
+
+  SourcesOptions sources() const { return {domain, stretch, particle_weights, threads}; }
 
   // Throws InvalidArgument for a value outside its range. Rules about neighbours are checked when
   // they are searched, the number of particle weights when the particles are known.

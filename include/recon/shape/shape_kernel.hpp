@@ -29,7 +29,7 @@ template <class Scalar>
 struct ShapeProblem {
   const PointCloud<Scalar>& particles;
   const PointCloud<Scalar>& targets;
-  const NeighbourList<Scalar>& neighbours;
+  NeighbourListView<Scalar> neighbours;
   const PeriodicDomain<Scalar>& domain;
   // Derivatives are multiplied by this per axis: 1 / stretch, where coordinates have been divided
   // by stretch.
@@ -54,8 +54,8 @@ template <class Scalar>
 class ShapeKernel {
  public:
   virtual ~ShapeKernel() = default;
-  // Targets begin <= t < end, best in an order in which neighbours in space follow each other
-  // (points/spatial_order.hpp). Thread-safe; no allocation per target.
+  // Targets begin <= t < end, best in an order in which neighbours in space follow each other.
+  // Thread-safe; no allocation per target.
   virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                         const ShapeRows<Scalar>& rows) const = 0;
 };

@@ -1,0 +1,220 @@
+#include "operators/fit_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "operators/far_targets.hpp"
+#include "operators/list_rows.hpp"
+#include "recon/basis/monomials.hpp"
+#include "recon/core/parallel.hpp"
+#include "recon/neighbourhood/find_neighbours_with.hpp"
+
+namespace recon::detail {
+namespace {
+
+constexpr std::size_t targets_per_block = 256, many_per_block = 16384;
+constexpr std::size_t fewest_sorted = 512;  // below this, everything is in the cache anyway
+
+// The default rule: twice as many neighbours as terms, plus one.
+NeighbourRule resolved_rule(const NeighbourRule& rule, int dimension, int degree) {
+  const Nearest* nearest = std::get_if<Nearest>(&rule);
+  if (!nearest || nearest->k != 0) return rule;
+  return Nearest{static_cast<std::size_t>(2 * monomial_count(dimension, degree) + 1),
+                 nearest->factor};
+}
+
+}  // namespace
+
+template <class Scalar>
+FitProblem<Scalar>::FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const Options& options)
+    : cloud_(std::move(cloud)), options_(options) {
+  options.validate();
+  options_.particle_weights = {};  // the cloud has its own
+  options_.neighbours = resolved_rule(options.neighbours, dimension(), options.degree);
+  kernel_ = make_shape_kernel<Scalar>(
+      dimension(), {options.degree, options.weight, options.form, options.solver,
+                    options.tolerances, resolved(options.instruction_set)});
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::require_dimension(const PointsView<Scalar>& targets) const {
+  require(targets.dimension() == dimension(), "dimension of the targets", targets.dimension(),
+          "must be that of the points");
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, const NeighbourRule* rule) {
+  const NeighbourRule asked =
+      rule ? resolved_rule(*rule, dimension(), options_.degree) : options_.neighbours;
+  require_dimension(targets);
+  require_valid_rule<Scalar>(asked, targets.size());
+  cloud_->take_targets(targets, "targets", options_.threads, incoming_);
+  options_.neighbours = asked;
+  if (const auto* given = std::get_if<Radii>(&asked)) {
+    if (given->radii.data() != radii_.data())
+      radii_.assign(given->radii.begin(), given->radii.end());
+    options_.neighbours = Radii{radii_};
+  }
+  own_neighbours_ = false;
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours) {
+  require_dimension(targets);
+  neighbours.validate(targets.size(), cloud_->points().size());
+  require(!cloud_->domain().any() || neighbours.indices.empty() || !neighbours.shifts.empty(),
+          "neighbours", "without shifts", "must have shifts in a periodic domain");
+  cloud_->take_targets(targets, "targets", options_.threads, incoming_);
+  given_ = std::move(neighbours);
+  own_neighbours_ = true;
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::fit(Array<Scalar> values) {
+  values_ = std::move(values);
+  if (pattern_ && pattern_.use_count() == 1) {
+    neighbours_ = std::move(pattern_->neighbours);
+    target_of_ = std::move(pattern_->target_of);
+  } else {
+    pattern_ = std::make_shared<SparsityPattern<Scalar>>();
+  }
+  nearest_rows_.clear();
+  too_far_.clear();
+  order_targets();
+  const NeighbourOptions search = search_options();
+  NeighbourRule rule;
+  if (own_neighbours_) {
+    neighbours_ = std::move(given_);
+    const std::span<const std::uint32_t> place_of = cloud_->place_of();
+    for (ParticleIndex& p : neighbours_.indices) p = place_of[p];
+  } else {
+    rule = ordered_rule(ordered_radii_);
+    cloud_->find(targets_, rule, search, true, neighbours_);
+  }
+
+  mark_too_far(!own_neighbours_ && search.shape == SupportShape::ball, search);
+  fit_list(targets_, neighbours_, values_, row_reports_);
+  if (!own_neighbours_ && options_.grow.steps > 0 && grow(rule, search))
+    fit_list(targets_, neighbours_, values_, row_reports_);
+  if (options_.unsupported == Unsupported::nearest) use_nearest(search);
+  for (std::size_t t = 0; t < row_reports_.size(); ++t)
+    if (is_too_far(t)) row_reports_[t].status = FitStatus::too_far;
+  make_pattern();
+  std::vector<FitReport> reports = reports_.give_up();
+  reports.resize(row_reports_.size());
+  recon::parallel_blocks(reports.size(), many_per_block, options_.threads,
+                         [&](std::size_t begin, std::size_t end) {
+                           for (std::size_t t = begin; t < end; ++t)
+                             reports[pattern_->target(t)] = row_reports_[t];
+                         });
+  reports_ = FitReports(std::move(reports), options_.solver);
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::order_targets() {
+  target_of_.clear();
+  if (own_neighbours_ || incoming_.size() < fewest_sorted) return std::swap(targets_, incoming_);
+  cloud_->order(incoming_, options_.threads, sort_);
+  target_of_.assign(sort_.order().begin(), sort_.order().end());
+  targets_.assign_permuted(incoming_, target_of_, options_.threads);
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::make_pattern() {
+  SparsityPattern<Scalar>& made = *pattern_;
+  made.start_anew();
+  made.columns = cloud_->points().size();
+  made.cloud = cloud_;
+  made.version = cloud_->version();
+  made.empty_rows.clear();
+  for (std::size_t t = 0; t < row_reports_.size(); ++t)
+    if (row_reports_[t].status == FitStatus::no_support ||
+        row_reports_[t].status == FitStatus::too_far)
+      made.empty_rows.push_back(static_cast<std::uint32_t>(t));
+  const std::span<const std::uint32_t> caller_of = cloud_->caller_of();
+  recon::parallel_blocks(neighbours_.indices.size(), many_per_block, options_.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e)
+      neighbours_.indices[e] = caller_of[neighbours_.indices[e]];
+  });
+  made.target_of = std::move(target_of_);
+  made.neighbours = std::move(neighbours_);
+}
+
+template <class Scalar>
+NeighbourOptions FitProblem<Scalar>::search_options() const {
+  NeighbourOptions search;
+  search.shape = options_.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
+  search.search = options_.search;
+  search.threads = options_.threads;
+  search.instruction_set = options_.instruction_set;
+  if (options_.visible)
+    search.visible = [this](std::size_t t, std::size_t p) {
+      return options_.visible(caller_target(t), cloud_->caller_of()[p]);
+    };
+  return search;
+}
+
+template <class Scalar>
+NeighbourRule FitProblem<Scalar>::ordered_rule(std::vector<double>& radii) const {
+  if (!std::holds_alternative<Radii>(options_.neighbours) || target_of_.empty())
+    return options_.neighbours;
+  radii.clear();
+  for (const std::uint32_t t : target_of_) radii.push_back(radii_[t]);
+  return Radii{radii};
+}
+
+template <class Scalar>
+ShapeProblem<Scalar> FitProblem<Scalar>::shape_problem(
+    const PointCloud<Scalar>& at, const NeighbourListView<Scalar>& list) const {
+  ShapeProblem<Scalar> problem{cloud_->points(), at, list, cloud_->domain()};
+  for (int d = 0; d < max_dimension; ++d)
+    problem.axis_scale[d] = static_cast<Scalar>(1 / cloud_->stretch()[d]);
+  problem.particle_weights = cloud_->weights();
+  return problem;
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::fit_list(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
+                                  Array<Scalar>& values, std::vector<FitReport>& reports) const {
+  values.resize(list.indices.size());
+  reports.resize(list.targets());
+  const ShapeProblem<Scalar> problem = shape_problem(at, list);
+  recon::parallel_blocks(list.targets(), targets_per_block, options_.threads,
+                         [&](std::size_t begin, std::size_t end) {
+                           ShapeRows<Scalar> rows;
+                           rows.value = values.data();
+                           rows.report = reports.data();
+                           kernel_->evaluate(problem, begin, end, rows);
+                         });
+}
+
+template <class Scalar>
+Array<Scalar> FitProblem<Scalar>::derivatives(bool second, Derivative kind, int blocks) const {
+  const NeighbourList<Scalar>& list = pattern_->neighbours;
+  Array<Scalar> values(list.indices.size() * static_cast<std::size_t>(blocks));
+  Array<ParticleIndex> places(list.indices.size());
+  const std::span<const std::uint32_t> place_of = cloud_->place_of();
+  recon::parallel_blocks(places.size(), many_per_block, options_.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) places[e] = place_of[list.indices[e]];
+  });
+  NeighbourListView<Scalar> in_places = list;
+  in_places.indices = places.data();
+  const ShapeProblem<Scalar> problem = shape_problem(targets_, in_places);
+  recon::parallel_blocks(targets_.size(), targets_per_block, options_.threads,
+                         [&](std::size_t begin, std::size_t end) {
+                           ShapeRows<Scalar> rows;
+                           (second ? rows.hessian : rows.gradient) = values.data();
+                           rows.kind = kind;
+                           kernel_->evaluate(problem, begin, end, rows);
+                         });
+  // The value of the nearest particle is constant about the target.
+  for (const std::uint32_t t : nearest_rows_)
+    std::fill(values.begin() + list.offsets[t] * blocks,
+              values.begin() + list.offsets[t + 1] * blocks, Scalar(0));
+  return values;
+}
+
+template class FitProblem<float>;
+template class FitProblem<double>;
+
+}  // namespace recon::detail

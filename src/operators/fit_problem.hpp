@@ -1,0 +1,94 @@
+// What a reconstruction keeps: whom it asks (the cloud), what was asked (options, targets), and what derivatives
+// need later.
+//
+// Targets are put in an order in which those that follow each other are close in space: all work then finds what
+// it needs in the cache. Here "target" means a number in that order and "particle" a place in the cloud; the
+// pattern that make_pattern() leaves speaks of the caller's particles.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "neighbourhood/cloud.hpp"
+#include "recon/operators/csr_operator.hpp"
+#include "recon/operators/fit_summary.hpp"
+#include "recon/shape/options.hpp"
+#include "recon/shape/shape_kernel.hpp"
+
+namespace recon::detail {
+
+template <class Scalar>
+class FitProblem {
+ public:
+  // Throws InvalidArgument for options outside their range.
+  FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const Options& options);
+
+  // Takes the targets, and with them a rule that replaces that of the options for good, or neighbours of the
+  // caller's. Throws InvalidArgument for what is wrong with them, and then leaves all as it was.
+  void take(const PointsView<Scalar>& targets, const NeighbourRule* rule);
+  void take(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours);
+  // Finds the neighbours of the targets taken and fits, into the memory of older values and of a pattern that
+  // nobody else holds.
+  void fit(Array<Scalar> values);
+
+  const Options& options() const { return options_; }
+  bool has_own_neighbours() const { return own_neighbours_; }
+  const std::shared_ptr<const Cloud<Scalar>>& shared_cloud() const { return cloud_; }
+  int dimension() const { return cloud_->points().dimension(); }
+
+  // The results of the latest fit.
+  const std::shared_ptr<SparsityPattern<Scalar>>& pattern() const { return pattern_; }
+  Array<Scalar> give_up_values() { return std::move(values_); }
+  // Of the caller's targets.
+  const FitReports& reports() const { return reports_; }
+
+  // Gradients or second derivatives, `blocks` numbers for each entry of the pattern.
+  Array<Scalar> derivatives(bool second, Derivative kind, int blocks) const;
+
+ private:
+  void require_dimension(const PointsView<Scalar>& targets) const;
+  void order_targets();
+  void make_pattern();
+
+  std::size_t caller_target(std::size_t t) const { return target_of_.empty() ? t : target_of_[t]; }
+  NeighbourOptions search_options() const;
+  // The rule of the options for the targets in this order; `radii` keeps what it refers to.
+  NeighbourRule ordered_rule(std::vector<double>& radii) const;
+  ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
+                                     const NeighbourListView<Scalar>& list) const;
+  // Fits the targets of a list; `values` per entry and `reports` per target.
+  void fit_list(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
+                Array<Scalar>& values, std::vector<FitReport>& reports) const;
+  bool is_too_far(std::size_t t) const { return !too_far_.empty() && too_far_[t]; }
+
+  // Targets farther from every particle than Options::max_distance lose their neighbours.
+  void mark_too_far(bool complete, const NeighbourOptions& search);
+  // Enlarges the supports of targets that miss the asked degree. True where any has been replaced.
+  bool grow(const NeighbourRule& rule, const NeighbourOptions& search);
+  // Gives targets without support the nearest visible particle, with weight one.
+  void use_nearest(const NeighbourOptions& search);
+
+  std::shared_ptr<const Cloud<Scalar>> cloud_;
+  Options options_;            // refers to radii_ where its rule is Radii
+  std::vector<double> radii_;  // of the caller's targets
+  NeighbourList<Scalar> given_;  // the caller's, until fit() takes it
+  std::shared_ptr<const ShapeKernel<Scalar>> kernel_;
+  bool own_neighbours_ = false;
+
+  PointCloud<Scalar> incoming_, targets_;
+  CountingSort sort_;
+  std::vector<double> ordered_radii_;
+  Array<std::uint32_t> target_of_;    // until make_pattern() takes it
+  NeighbourList<Scalar> neighbours_;  // likewise
+  Array<Scalar> values_;
+  std::vector<FitReport> row_reports_;
+  FitReports reports_;
+  std::vector<std::uint32_t> nearest_rows_;  // targets that have the value of the nearest particle
+  std::vector<bool> too_far_;                // empty: none is
+  std::shared_ptr<SparsityPattern<Scalar>> pattern_;
+};
+
+extern template class FitProblem<float>;
+extern template class FitProblem<double>;
+
+}  // namespace recon::detail

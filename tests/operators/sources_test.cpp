@@ -1,0 +1,250 @@
+// Sources: whatever is asked of them is what is asked of the points, in every bit, also after an update.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "recon/operators/reconstruct.hpp"
+#include "recon/points/generate.hpp"
+#include "support/message_of.hpp"
+
+namespace recon::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<double> numbers(std::size_t count, unsigned seed, double lower = -1, double upper = 1) {
+  RandomNumbers random(seed);
+  std::vector<double> values(count);
+  for (double& value : values) value = random.uniform(lower, upper);
+  return values;
+}
+
+template <class Scalar>
+void expect_same_bits(const BasicReconstruction<Scalar>& a, const BasicReconstruction<Scalar>& b,
+                      std::size_t particles, const std::string& what) {
+  std::vector<Scalar> u(particles);
+  RandomNumbers random(11);
+  for (Scalar& value : u) value = static_cast<Scalar>(random.uniform(-1, 1));
+  ASSERT_EQ(a.values().rows(), b.values().rows()) << what;
+  std::vector<Scalar> f(a.values().rows());
+  for (Scalar& value : f) value = static_cast<Scalar>(random.uniform(-1, 1));
+  const auto same = [&](const auto& x, const auto& y) {
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      if (!(x.data()[i] == y.data()[i]) && !(std::isnan(x.data()[i]) && std::isnan(y.data()[i])))
+        return false;
+    return x.size() == y.size();
+  };
+  EXPECT_TRUE(same(a.apply(field_of(u)), b.apply(field_of(u)))) << what;
+  EXPECT_TRUE(same(a.apply_transpose(field_of(f)), b.apply_transpose(field_of(f)))) << what;
+  EXPECT_TRUE(same(a.gradient().apply(field_of(u)), b.gradient().apply(field_of(u)))) << what;
+  EXPECT_TRUE(same(a.hessian().apply(field_of(u)), b.hessian().apply(field_of(u)))) << what;
+  const NeighbourList<Scalar> x = a.neighbours(), y = b.neighbours();
+  EXPECT_EQ(x.indices, y.indices) << what;
+  EXPECT_EQ(x.offsets, y.offsets) << what;
+  EXPECT_EQ(x.support, y.support) << what;
+  EXPECT_TRUE(x.shifts == y.shifts) << what;
+  ASSERT_EQ(a.report().size(), b.report().size()) << what;
+  for (std::size_t t = 0; t < a.report().size(); ++t) {
+    EXPECT_EQ(a.report()[t].status, b.report()[t].status) << what;
+    EXPECT_EQ(a.report()[t].amplification, b.report()[t].amplification) << what;
+  }
+}
+
+struct Case {
+  std::string name;
+  Options options;
+};
+
+template <int D>
+std::vector<Case> cases() {
+  const double h = std::pow(900.0, -1.0 / D);
+  return {{"nearest", {.degree = 1}},
+          {"degree 2", {.degree = 2, .solver = Solver::moment_matrix}},
+          {"radius", {.degree = 1, .neighbours = Radius{2.5 * h}}},
+          {"wide radius", {.degree = 1, .neighbours = Radius{9 * h}}},
+          {"nearest within",
+           {.degree = 1, .neighbours = NearestWithin{12, 3 * h}, .search = SearchMethod::kd_tree}},
+          {"cube", {.form = WeightForm::tensor_product, .neighbours = Radius{2 * h}}},
+          {"grow, nearest, too far",
+           {.degree = 2,
+            .neighbours = Radius{1.2 * h},
+            .max_distance = 1.5,
+            .grow = {.steps = 3},
+            .unsupported = Unsupported::nearest}}};
+}
+
+template <int D>
+void check_cases(const PeriodicDomain<double>& domain, const std::vector<double>& weights) {
+  const auto points = random_points<double, D>(900, 5), moved = random_points<double, D>(900, 6);
+  const auto targets = random_points<double, D>(600, 7), few = random_points<double, D>(70, 8);
+  Sources sources(points_of(points), {.domain = domain, .particle_weights = weights});
+  for (const Case& c : cases<D>()) {
+    Options direct = c.options;
+    direct.domain = domain;
+    direct.particle_weights = weights;
+    const std::string what = c.name + " in " + std::to_string(D) + "-D";
+    Reconstruction fit = reconstruct(sources, points_of(targets), c.options);
+    expect_same_bits(fit, reconstruct(points_of(points), points_of(targets), direct), 900, what);
+    fit.update(points_of(few));
+    expect_same_bits(fit, reconstruct(points_of(points), points_of(few), direct), 900,
+                     what + ", other targets");
+    sources.update(points_of(moved));
+    EXPECT_THAT(message_of([&] { fit.gradient(); }), HasSubstr("update")) << what;
+    fit.update(points_of(targets));
+    expect_same_bits(fit, reconstruct(points_of(moved), points_of(targets), direct), 900,
+                     what + ", moved");
+    sources.update(points_of(points));
+  }
+}
+
+TEST(Sources, GiveWhatThePointsGive) {
+  check_cases<1>({}, {});
+  check_cases<2>({}, {});
+  check_cases<3>({}, {});
+  const PeriodicDomain<double> box{{0, 0, 0}, {1, 1, 1}, {true, true, false}};
+  check_cases<2>(box, numbers(900, 3, 0.5, 2));
+  check_cases<3>(box, numbers(900, 4, 0.5, 2));
+}
+
+TEST(Sources, SinglePrecisionAndStretch) {
+  const auto points = random_points<float, 2>(700, 5);
+  const auto targets = random_points<float, 2>(600, 7);
+  const SourcesF sources(points_of(points), {.stretch = {1.5, 0.5, 1}});
+  expect_same_bits(reconstruct(sources, points_of(targets), {.degree = 2}),
+                   reconstruct(points_of(points), points_of(targets),
+                               {.degree = 2, .stretch = {1.5, 0.5, 1}}),
+                   700, "stretch");
+}
+
+TEST(Sources, NumberOfParticlesMayChange) {
+  const auto targets = random_points<double, 3>(600, 7);
+  const auto first = random_points<double, 3>(500, 1);
+  Sources sources(points_of(first));
+  Reconstruction fit = reconstruct(sources, points_of(targets));
+  for (const std::size_t count : {2000u, 20u, 1u, 0u, 800u}) {
+    const auto points = random_points<double, 3>(count, static_cast<unsigned>(count) + 2);
+    sources.update(points_of(points));
+    fit.update(points_of(targets));
+    expect_same_bits(fit, reconstruct(points_of(points), points_of(targets)), count,
+                     std::to_string(count) + " particles");
+  }
+}
+
+// Particles at one place keep the order of their numbers; all others stand where their positions say.
+TEST(Sources, TheOrderDependsOnPositionsAlone) {
+  auto points = random_points<double, 3>(5000, 9);
+  points[17] = points[3];
+  const auto places = [](const auto& cloud) {
+    const Sources sources(points_of(cloud));
+    std::vector<std::array<double, 3>> in_order;
+    for (const std::uint32_t p : sources.order()) in_order.push_back(cloud[p]);
+    return in_order;
+  };
+  const auto before = places(points);
+  // One particle after another in space, and in a cell by numbers: numbers sorted by x differ in the cells.
+  auto cells_of = [](auto list) {
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  auto shuffled = points;
+  std::reverse(shuffled.begin(), shuffled.end());
+  const auto after = places(shuffled);
+  EXPECT_EQ(cells_of(before), cells_of(after));
+  Sources updated(points_of(shuffled));
+  updated.update(points_of(points));
+  const Sources anew(points_of(points));
+  EXPECT_TRUE(std::equal(updated.order().begin(), updated.order().end(), anew.order().begin(),
+                         anew.order().end()));
+  // Steps between followers are short: a few mean spacings.
+  double sum = 0;
+  for (std::size_t i = 1; i < before.size(); ++i)
+    for (int d = 0; d < 3; ++d) sum += std::abs(before[i][d] - before[i - 1][d]);
+  EXPECT_LT(sum / 5000, 5 * std::pow(5000.0, -1.0 / 3));
+}
+
+TEST(Sources, WhatWasMadeBeforeAnUpdateIsRefused) {
+  const auto points = random_points<double, 2>(600, 1), moved = random_points<double, 2>(600, 2);
+  const auto u = numbers(600, 3);
+  Sources sources(points_of(points));
+  const Sources copy = sources;  // the same cloud
+  Reconstruction fit = reconstruct(copy, points_of(points));
+  const CsrOperator<double> gradient = fit.gradient(), values = fit.values();
+  const Reconstruction kept = fit;
+  sources.update(points_of(moved));
+  for (const auto& use : std::vector<std::function<void()>>{
+           [&] { fit.apply(field_of(u)); }, [&] { fit.apply_transpose(field_of(u)); },
+           [&] { fit.hessian(); }, [&] { gradient.apply(field_of(u)); },
+           [&] { values.apply_transpose(field_of(u)); }, [&] { kept.apply(field_of(u)); }})
+    EXPECT_THAT(message_of(use), HasSubstr("update() of the reconstruction"));
+  fit.update(points_of(moved));
+  EXPECT_EQ(message_of([&] { fit.apply(field_of(u)); }), "no InvalidArgument was thrown");
+  EXPECT_THAT(message_of([&] { kept.apply(field_of(u)); }), HasSubstr("update()"));
+  EXPECT_THAT(message_of([&] { gradient.apply(field_of(u)); }), HasSubstr("update()"));
+}
+
+TEST(Sources, CopiesOfAReconstructionKeepWhatTheyHave) {
+  const auto points = random_points<double, 2>(600, 1), others = random_points<double, 2>(650, 2);
+  const Sources sources(points_of(points));
+  Reconstruction fit = reconstruct(sources, points_of(points));
+  const Reconstruction kept = fit;
+  const CsrOperator<double> values = fit.values();
+  fit.update(points_of(others));
+  expect_same_bits(kept, reconstruct(sources, points_of(points)), 600, "the copy");
+  expect_same_bits(fit, reconstruct(sources, points_of(others)), 600, "the updated one");
+  EXPECT_EQ(values.rows(), 600u);
+  const auto u = numbers(600, 3);
+  EXPECT_EQ(values.apply(field_of(u)), kept.apply(field_of(u)));
+}
+
+TEST(Sources, RefusedInputChangesNothing) {
+  const auto points = random_points<double, 2>(600, 1);
+  auto bad = points;
+  bad[5][1] = NAN;
+  const auto weights = numbers(600, 3, 1, 2);
+  Sources sources(points_of(points), {.particle_weights = weights});
+  Reconstruction fit = reconstruct(sources, points_of(points));
+  EXPECT_THAT(message_of([&] { sources.update(points_of(bad)); }),
+              HasSubstr("coordinate y of point 5 of the points = nan"));
+  EXPECT_THAT(message_of([&] { sources.update(points_of(points), numbers(599, 1, 1, 2)); }),
+              HasSubstr("number of particle_weights = 599"));
+  const auto fewer = random_points<double, 2>(9, 1);
+  const auto of_3d = random_points<double, 3>(600, 1);
+  EXPECT_THAT(message_of([&] { sources.update(points_of(fewer)); }),
+              HasSubstr("number of particle_weights = 600"));
+  EXPECT_THAT(message_of([&] { sources.update(points_of(of_3d)); }),
+              HasSubstr("dimension"));
+  EXPECT_THAT(message_of([&] { fit.update(points_of(bad)); }), HasSubstr("targets = nan"));
+  EXPECT_THAT(message_of([&] { fit.update(points_of(points), Radius{-1}); }), HasSubstr("radius"));
+  expect_same_bits(fit,
+                   reconstruct(points_of(points), points_of(points), {.particle_weights = weights}),
+                   600, "after all these");
+  for (const Options& options :
+       {Options{.particle_weights = weights}, Options{.stretch = {1, 2, 1}},
+        Options{.domain = {{0, 0}, {1, 1}, {true, true, false}}}})
+    EXPECT_THAT(message_of([&] { reconstruct(sources, points_of(points), options); }),
+                HasSubstr("belongs to the Sources"));
+}
+
+TEST(Sources, NeighboursAndOwnLists) {
+  const auto points = random_points<double, 2>(900, 1);
+  const auto targets = random_points<double, 2>(600, 2);
+  const Sources sources(points_of(points));
+  const NeighbourList<double> list = find_neighbours(sources, points_of(targets), Nearest{9});
+  const NeighbourList<double> reference =
+      find_neighbours(PointCloud<double>(points_of(points)),
+                      PointCloud<double>(points_of(targets)), Nearest{9});
+  EXPECT_EQ(list.indices, reference.indices);
+  EXPECT_EQ(list.support, reference.support);
+  Reconstruction fit = reconstruct(sources, points_of(targets), list);
+  expect_same_bits(fit, reconstruct(points_of(points), points_of(targets), list), 900, "own list");
+  EXPECT_THAT(message_of([&] { fit.update(points_of(targets)); }), HasSubstr("neighbours"));
+  fit.update(points_of(targets), Nearest{12});
+  expect_same_bits(
+      fit, reconstruct(points_of(points), points_of(targets), {.neighbours = Nearest{12}}), 900,
+      "a rule instead");
+}
+
+}  // namespace
+}  // namespace recon::testing
