@@ -2,6 +2,7 @@
 // as they must be. Mathematics alone: what recon's driver does is tested in tests/mpm.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
