@@ -96,8 +96,8 @@ def rows_of_readme():
 
 def listed_tests(ctest, build):
     text = subprocess.run([ctest, "--test-dir", build, "-N"], check=True, capture_output=True, text=True).stdout
-    # Typed and value-parametrised tests, "name<0>" and "name/mpm", count by their name.
-    return {re.split(r"[</ ]", line.split(": ", 1)[1])[0] for line in text.splitlines() if " #" in line}
+    # Typed and value-parametrised tests, "name<0>" and "Mpm/name/mpm", count by their name.
+    return {match[1] for match in re.finditer(r"^ *Test +#\d+: ([\w.-]+(?:/\w+\.\w+)?)", text, re.MULTILINE)}
 
 
 def main():

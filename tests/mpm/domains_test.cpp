@@ -191,7 +191,7 @@ TEST(Cpdi2Move, CornersFollowTheGridAndTheParticleItsCentroid) {
   EXPECT_LE((particles.x[0] - centroid / area).norm(), rounding);
 }
 
-// The closed form of one axis (Gong 2015, section 6.3, with the sign of the last branch put right).
+// The closed form of one axis (Gong 2015, section 6.3; docs/misprints.md, G21).
 TEST(Gimp, ClosedForm) {
   const double h = 0.5, l = 0.1;
   const auto S = [&](double s) {
@@ -220,8 +220,8 @@ TEST(Gimp, ClosedForm) {
   }
 }
 
-// The corner weights of a quadrilateral (Gong 2015, eq. 6.29, 6.30 as corrected) and the gradients
-// (6.32); its corners run counter-clockwise 1 2 3 4, ours are numbered by bits.
+// The corner weights of a quadrilateral (Gong 2015, eq. 6.29, 6.30; docs/misprints.md, G23) and the
+// gradients (6.32); its corners run counter-clockwise 1 2 3 4, ours are numbered by bits.
 TEST(Cpdi2Cell, ClosedForms) {
   std::mt19937 random(7);
   for (int round = 0; round < 100; ++round) {

@@ -78,8 +78,7 @@ TEST(Manufactured, VibrationHasTheSourcesBodyForce) {
   }
 }
 
-// Tran et al. 2019, eq. 51 with pi^2 for pi, and the time's factor of one pi: the printed form
-// holds in 1-D.
+// Tran et al. 2019, eq. 51 with pi^2 for pi (docs/misprints.md, T14). It is for the bar: in 1-D.
 TEST(Manufactured, AxisVibrationHasTheSourcesBodyForce) {
   const auto exact = make_manufactured<1>("axis_vibration", 0.1, steel, density);
   const double c2 = 1e7 / density, lambda = steel.lambda, mu = steel.mu, t = 0.0037, X = 0.21;
@@ -91,7 +90,7 @@ TEST(Manufactured, AxisVibrationHasTheSourcesBodyForce) {
   EXPECT_NEAR(exact->at(Vector<1>(X), t).body_force[0], b, 1e-10 * std::abs(b));
 }
 
-// Tran et al. 2019, eq. 72-74 with the signs of the errata.
+// Tran et al. 2019, eq. 72-74 as corrected (docs/misprints.md, T26, T27).
 TEST(Manufactured, VortexHasTheSourcesBodyForce) {
   const NeoHookean soft{Lame::from(1000, 0.3)};
   const double A = 1, c = 1, mu = soft.mu;

@@ -656,8 +656,8 @@ TYPED_TEST(SlopeMaps, ApicCarriesTheSlope) {
   }
 }
 
-// Random velocities and slopes: the nodes have the momentum of the particles, as there is no slope
-// at the particle itself (MPM.md: sum_i S_ip d = 0).
+// Random velocities and slopes: the nodes have the momentum of the particles, for what the slopes add
+// vanishes in the sum over nodes: sum_i S_ip (x_i - x_p) = 0.
 TYPED_TEST(SlopeMaps, KeepMomentum) {
   constexpr int D = TypeParam::value;
   for (const char* name : {"improved_projection", "tpic", "apic", "mls_mpm", "polypic"}) {

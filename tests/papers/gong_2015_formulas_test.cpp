@@ -85,6 +85,51 @@ TEST(Gong2015Equation38, NeedsTheBasisAtZero) {
   }
 }
 
+// (3.14): with B = [w_1 P(x_1), w_2 P(x_2), ...] the fit is P(x)^T M^-1 B U. The sum over p of these
+// columns, as printed, knows no data: P(x)^T M^-1 sum_p w_p P(x_p) = 1 whatever U is.
+TEST(Gong2015Equation314, HasAColumnForEachParticle) {
+  const auto points = random_points<double, 1>(20, 5);
+  const PointList<double, 1> target{{0.4}};
+  constexpr double rho = 0.5;
+  const Eigen::RowVectorXd phi =
+      shape_functions(points, target, {.degree = 1, .neighbours = Radius{rho}});
+  Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2Xd B(2, points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Eigen::Vector2d P(1, points[p][0]);
+    B.col(p) = weight_at(Weight::cubic_b_spline, std::abs(0.4 - points[p][0]) / rho) * P;
+    M += B.col(p) * P.transpose();
+  }
+  const Eigen::RowVector2d row = Eigen::RowVector2d(1, 0.4) * M.inverse();
+  EXPECT_LE((row * B - phi).cwiseAbs().maxCoeff(), 1e-13);
+  const double printed = row * B.rowwise().sum();
+  EXPECT_NEAR(printed, 1, 1e-13);
+}
+
+// (3.19): the entry (2, 1) of the first matrix is x^1 of its particle. With x^2, as printed, M has no
+// symmetry, and the fit misses linear functions.
+TEST(Gong2015Equation319, IsSymmetric) {
+  const auto points = random_points<double, 2>(12, 6);
+  const Eigen::Vector3d here(1, 0.45, 0.55);
+  const auto fitted = [&](bool as_printed) {
+    Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d B = Eigen::Vector3d::Zero();
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Eigen::Vector3d P(1, points[p][0], points[p][1]);
+      const double w = weight_at(Weight::cubic_b_spline, std::abs(here[1] - P[1])) *
+                       weight_at(Weight::cubic_b_spline, std::abs(here[2] - P[2]));
+      Eigen::Matrix3d of_particle = P * P.transpose();
+      if (as_printed && p == 0) of_particle(1, 0) = P[2];
+      M += w * of_particle;
+      B += w * P * (1 + P[1] - 2 * P[2]);
+    }
+    return here.dot(M.inverse() * B);
+  };
+  const double exact = 1 + here[1] - 2 * here[2];
+  EXPECT_NEAR(fitted(false), exact, 1e-13);
+  EXPECT_GT(std::abs(fitted(true) - exact), 1e-3);
+}
+
 // (5.1), (5.2) and Tran et al. (10): recon's B-splines of radius 2 h and 3 h / 2.
 // Printed: 3 / (2 h).
 TEST(Gong2015Weights, AreTheCardinalSplines) {

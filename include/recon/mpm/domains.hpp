@@ -174,7 +174,8 @@ struct Cpdi2 : Reaching<Cpdi2> {
   }
 
   // Averages of the corners' multilinear functions and of their gradients over the cell that the
-  // corners span; two Gauss points an axis are exact (they replace eq. 6.29-6.32 and their errata).
+  // corners span; two Gauss points an axis are exact (they replace eq. 6.29-6.32, of which the first
+  // two are misprinted: docs/misprints.md, G23).
   template <int D>
   struct Cell {
     std::array<double, 1 << D> weight{};

@@ -8,9 +8,10 @@
 //                   (Gong 2015, eq. 4.35, 4.41)
 //   axis_vibration  u_d = G sin(2 pi X_d) sin(c pi t)  (Tran et al. 2019, eq. 48 with L = 1)
 //   ring            u_r = G sin(c pi t / (2 r)) (c3 R^3 + c2 R^2 + c1 R), r_i = 0.4, r_o = 0.6,
-//                   r = 0.5; free of traction for nu = 0 (eq. 57-59, errata)
+//                   r = 0.5; free of traction for nu = 0
+//                   (eq. 57-59; docs/misprints.md, T17, T20)
 //   vortex          a turn by G sin(c pi t) (1 - 32 (R - 1)^2 + 256 (R - 1)^4) about the origin,
-//                   0.75 <= R <= 1.25 (eq. 62-65, errata)
+//                   0.75 <= R <= 1.25 (eq. 60-65; docs/misprints.md, T22, T23)
 // G is a length (vortex: radian), c = sqrt(E / rho0), unit lengths where the formulas have none.
 #pragma once
 

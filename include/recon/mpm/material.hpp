@@ -48,7 +48,8 @@ concept MaterialModel = std::derived_from<M, Lame> &&
 };
 
 // sigma = (lambda ln J I + mu (F F^T - I)) / J,
-// W = lambda (ln J)^2 / 2 + mu ((tr F F^T - D) / 2 - ln J)    (Gong 2015, eq. 4.33, 4.34; errata).
+// W = lambda (ln J)^2 / 2 + mu ((tr F F^T - D) / 2 - ln J)
+// (Gong 2015, eq. 4.33, 4.34, with F F^T: docs/misprints.md, G10).
 struct NeoHookean : Lame {
   template <int D>
   void update(const Matrix<D>& F, const Matrix<D>&, double, Matrix<D>& stress,

@@ -6,7 +6,7 @@
 // what is left of an alternating stress in the quadrature (1 over particles). It is stable for
 //     c_p dt / h <= 1 / sqrt(Q (2 - W)) ,
 // and waves obey sin(omega dt / 2) = (c_p dt / h) sin(k h / 2) whatever the number of particles
-// (Gong 2015, eq. 7.29, as corrected). c_p = sqrt((lambda + 2 mu) / density).
+// (Gong 2015, eq. 7.29 corrected: docs/misprints.md, G28). c_p = sqrt((lambda + 2 mu) / density).
 #pragma once
 
 #include <vector>
