@@ -34,9 +34,7 @@ class RowGather {
         begin_(static_cast<std::size_t>(lanes.groups) + 1) {
     for (const auto& field : particles.fields)
       for (int c = 0; c < field.components(); ++c)
-        columns_.push_back(
-            {static_cast<const std::byte*>(field.data()) + c * field.component_stride(),
-             field.point_stride()});
+        columns_.push_back({static_cast<const std::byte*>(field.first(c)), field.point_stride()});
   }
 
   void start(std::int64_t j, std::int64_t k) {

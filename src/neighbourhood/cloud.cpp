@@ -103,8 +103,7 @@ void Cloud<Scalar>::build(int threads) {
   using Pointer = std::unique_ptr<Kept<D>>;
   if (!std::holds_alternative<Pointer>(kept_)) kept_ = std::make_unique<Kept<D>>(points_);
   Kept<D>& kept = *std::get<Pointer>(kept_);
-  const double size =
-      density_cell_size(incoming_, SearchIndex<Scalar, D>::particles_per_cell);
+  const double size = density_cell_size(incoming_, SearchIndex<Scalar, D>::particles_per_cell);
   kept.index.start_anew(nullptr);
   // Somebody may still hold the cells of before: they stay as they are then.
   if (!kept.ordered || kept.ordered.use_count() > 1)

@@ -44,7 +44,8 @@ class SearchIndex {
   std::shared_ptr<const Grid> cells(double size, int threads) {
     const std::lock_guard lock(mutex_);
     if (!grid_)
-      grid_ = std::make_shared<Grid>(cloud_, density_cell_size(cloud_, particles_per_cell), threads);
+      grid_ =
+          std::make_shared<Grid>(cloud_, density_cell_size(cloud_, particles_per_cell), threads);
     if (size <= much_larger * grid_->cell_size()) return grid_;
     if (!wide_grid_ || size > much_larger * wide_size_ || wide_size_ > much_larger * size) {
       wide_grid_ = std::make_shared<Grid>(cloud_, size, threads);

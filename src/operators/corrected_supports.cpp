@@ -37,8 +37,8 @@ NeighbourOptions search_of(const NeighbourOptions& search, const std::vector<std
 
 template <class Scalar>
 void FitProblem<Scalar>::mark_too_far(bool complete, const NeighbourOptions& search) {
-  const std::vector<std::size_t> rows = far_targets(
-      *cloud_, targets_, neighbours_, options_.max_distance, complete, search);
+  const std::vector<std::size_t> rows =
+      far_targets(*cloud_, targets_, neighbours_, options_.max_distance, complete, search);
   if (rows.empty()) return;
   too_far_.assign(targets_.size(), false);
   for (const std::size_t t : rows) too_far_[t] = true;
@@ -105,9 +105,9 @@ void FitProblem<Scalar>::use_nearest(const NeighbourOptions& search) {
   }
 }
 
-#define RECON_INSTANTIATE(S)                                                                 \
-  template void FitProblem<S>::mark_too_far(bool, const NeighbourOptions&);                  \
-  template bool FitProblem<S>::grow(const NeighbourRule&, const NeighbourOptions&);          \
+#define RECON_INSTANTIATE(S)                                                        \
+  template void FitProblem<S>::mark_too_far(bool, const NeighbourOptions&);         \
+  template bool FitProblem<S>::grow(const NeighbourRule&, const NeighbourOptions&); \
   template void FitProblem<S>::use_nearest(const NeighbourOptions&)
 RECON_INSTANTIATE(float);
 RECON_INSTANTIATE(double);

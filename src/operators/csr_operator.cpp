@@ -1,6 +1,7 @@
 #include "recon/operators/csr_operator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <string>
@@ -16,6 +17,12 @@ namespace {
 
 constexpr std::size_t rows_per_block = 1024;
 
+[[noreturn]] void throw_not_finite(std::size_t point, int component, double value) {
+  detail::throw_invalid(
+      "component " + std::to_string(component) + " of the field at point " + std::to_string(point),
+      value, "must be finite");
+}
+
 // The field as one array in the order of `point_of` (empty: its own), point-major, checked to be
 // finite. Places in `skip` (ascending) are zeroed instead.
 template <class Scalar>
@@ -23,36 +30,68 @@ Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32
                      std::span<const std::uint32_t> skip, int threads) {
   const int components = field.components();
   Array<Scalar> values(field.size() * static_cast<std::size_t>(components));
-  parallel_blocks(
-      field.size(), 16 * rows_per_block, threads, [&](std::size_t begin, std::size_t end) {
-        auto skipped = std::lower_bound(skip.begin(), skip.end(), begin);
-        Scalar* to = values.data() + begin * static_cast<std::size_t>(components);
-        for (std::size_t i = begin; i < end; ++i) {
-          const bool skips = skipped != skip.end() && *skipped == i;
-          skipped += skips;
-          const std::size_t point = point_of.empty() ? i : point_of[i];
-          for (int c = 0; c < components; ++c) {
-            const Scalar value = skips ? Scalar(0) : field(point, c);
-            if (!std::isfinite(value)) [[unlikely]]
-              detail::throw_invalid("component " + std::to_string(c) + " of the field at point " +
-                                        std::to_string(point),
-                                    value, "must be finite");
-            *to++ = value;
-          }
-        }
-      });
+  parallel_blocks(field.size(), 16 * rows_per_block, threads,
+                  [&](std::size_t begin, std::size_t end) {
+                    auto skipped = std::lower_bound(skip.begin(), skip.end(), begin);
+                    Scalar* to = values.data() + begin * static_cast<std::size_t>(components);
+                    for (std::size_t i = begin; i < end; ++i) {
+                      const bool skips = skipped != skip.end() && *skipped == i;
+                      skipped += skips;
+                      const std::size_t point = point_of.empty() ? i : point_of[i];
+                      for (int c = 0; c < components; ++c) {
+                        const Scalar value = skips ? Scalar(0) : field(point, c);
+                        if (!std::isfinite(value)) [[unlikely]]
+                          throw_not_finite(point, c, static_cast<double>(value));
+                        *to++ = value;
+                      }
+                    }
+                  });
   return values;
 }
 
-// sums[c * B + b] = sum over these entries of a row of value(e, b) in(index(e), first + c), c < C.
-template <int B, int C, class Scalar>
+// How sums read the components first, first + 1, ... of a field: u = at(particle), u[0], u[1], ...
+//
+// Of points whose components lie side by side, `stride` numbers from one point to the next.
+template <class Scalar>
+struct SideBySide {
+  const Scalar* data;
+  std::size_t stride;
+
+  static bool reads(const FieldView<Scalar>& field) {
+    constexpr auto size = static_cast<std::ptrdiff_t>(sizeof(Scalar));
+    return !field.separate() && field.point_stride() % size == 0 &&
+           (field.components() == 1 || field.component_stride() == size);
+  }
+  SideBySide(const FieldView<Scalar>& field, int first)
+      : data(static_cast<const Scalar*>(field.first(first))),
+        stride(static_cast<std::size_t>(field.point_stride()) / sizeof(Scalar)) {}
+  const Scalar* at(ParticleIndex particle) const { return data + particle * stride; }
+};
+
+// Of any field: structs of arrays, for example.
+template <class Scalar>
+struct AnyLayout {
+  const FieldView<Scalar>& field;
+  int first;
+
+  struct Values {
+    const FieldView<Scalar>& field;
+    ParticleIndex particle;
+    int first;
+    Scalar operator[](int c) const { return field(particle, first + c); }
+  };
+  Values at(ParticleIndex particle) const { return {field, particle, first}; }
+};
+
+// sums[c * B + b] = sum over these entries of a row of value(e, b) u(index(e), c), c < C.
+template <int B, int C, class Scalar, class Field>
 void block_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
-                std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
+                std::int64_t end, const Field& field, Scalar* sums) {
   // Several partial sums: one alone would wait for each addition before the next can begin.
   constexpr int parts = B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1;
   Scalar total[parts][B * C] = {};
   const auto add = [&](std::int64_t e, Scalar* to) {
-    const Scalar* u = in + indices[e] * stride;
+    const auto u = field.at(indices[e]);
     for (int c = 0; c < C; ++c)
       for (int b = 0; b < B; ++b) to[c * B + b] += values[e * B + b] * u[c];
   };
@@ -65,30 +104,15 @@ void block_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t
   std::copy(total[0], total[0] + B * C, sums);
 }
 
-template <int B, int C, class Scalar>
+template <int B, int C, class Scalar, class Field>
 void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
-              std::int64_t end, const Scalar* in, std::size_t stride, Scalar* sums) {
+              std::int64_t end, const Field& field, Scalar* sums) {
   if (end - begin <= detail::sum_block) [[likely]]
-    return block_sums<B, C>(values, indices, begin, end, in, stride, sums);
+    return block_sums<B, C>(values, indices, begin, end, field, sums);
   detail::add_many_blocks<B * C>(
       end - begin, sums, [&](std::int64_t from, std::int64_t to, Scalar* part) {
-        block_sums<B, C>(values, indices, begin + from, begin + to, in, stride, part);
+        block_sums<B, C>(values, indices, begin + from, begin + to, field, part);
       });
-}
-
-template <int B, class Scalar>
-void row_sums(int components, const Scalar* values, const ParticleIndex* indices,
-              std::int64_t begin, std::int64_t end, const Scalar* in, Scalar* sums) {
-  const auto stride = static_cast<std::size_t>(components);
-  int c = 0;
-  for (; c + 4 <= components; c += 4)
-    row_sums<B, 4>(values, indices, begin, end, in + c, stride, sums + c * B);
-  if (components - c == 3)
-    row_sums<B, 3>(values, indices, begin, end, in + c, stride, sums + c * B);
-  if (components - c == 2)
-    row_sums<B, 2>(values, indices, begin, end, in + c, stride, sums + c * B);
-  if (components - c == 1)
-    row_sums<B, 1>(values, indices, begin, end, in + c, stride, sums + c * B);
 }
 
 // One test for all: x - x is 0 for numbers and NaN for others.
@@ -118,14 +142,14 @@ template <class Scalar, class SumOfProducts>
 // by more than rounding.
 template <class Scalar>
 std::uint32_t limit_row(const Scalar* phi, const ParticleIndex* indices, std::int64_t begin,
-                        std::int64_t end, const Scalar* in, std::size_t components, Limit kind,
+                        std::int64_t end, const FieldView<Scalar>& in, Limit kind,
                         const std::vector<detail::DataRange<Scalar>>& all, Scalar* values) {
   std::uint32_t limited = 0;
-  for (std::size_t c = 0; c < components; ++c) {
+  for (int c = 0; c < in.components(); ++c) {
     detail::DataRange<Scalar> range;
     // Most values lie between the data of the first few particles.
     for (std::int64_t e = begin; e < end && !range.holds(values[c]); ++e)
-      if (phi[e] != 0) range.add(in[indices[e] * components + c]);
+      if (phi[e] != 0) range.add(in(indices[e], c));
     if (range.holds(values[c])) continue;
     Scalar amplification = 0;
     for (std::int64_t e = begin; e < end; ++e) amplification += std::abs(phi[e]);
@@ -134,13 +158,158 @@ std::uint32_t limit_row(const Scalar* phi, const ParticleIndex* indices, std::in
   return limited;
 }
 
-// The ranges of the components of `in`.
+// The ranges of the components of a field.
 template <class Scalar>
-std::vector<detail::DataRange<Scalar>> ranges_of(const Array<Scalar>& in, std::size_t components) {
-  std::vector<detail::DataRange<Scalar>> ranges(components);
-  for (std::size_t i = 0; i < in.size(); ++i) ranges[i % components].add(in[i]);
+std::vector<detail::DataRange<Scalar>> ranges_of(const FieldView<Scalar>& field, int threads) {
+  constexpr std::size_t points_per_block = 65536;
+  const auto components = static_cast<std::size_t>(field.components());
+  const std::size_t blocks = (field.size() + points_per_block - 1) / points_per_block;
+  std::vector<detail::DataRange<Scalar>> of_blocks(blocks * components), ranges(components);
+  parallel_blocks(field.size(), points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+    auto* const mine = of_blocks.data() + begin / points_per_block * components;
+    for (std::size_t c = 0; c < components; ++c) {
+      detail::DataRange<Scalar> range;
+      for (std::size_t i = begin; i < end; ++i) {
+        const Scalar value = field(i, static_cast<int>(c));
+        if (!std::isfinite(value)) [[unlikely]]
+          throw_not_finite(i, static_cast<int>(c), static_cast<double>(value));
+        range.add(value);
+      }
+      mine[c] = range;
+    }
+  });
+  for (std::size_t i = 0; i < of_blocks.size(); ++i)
+    if (of_blocks[i].least <= of_blocks[i].greatest) {
+      ranges[i % components].add(of_blocks[i].least);
+      ranges[i % components].add(of_blocks[i].greatest);
+    }
   return ranges;
 }
+
+// One product of an operator and a field: rows in blocks, each with as few branches as its numbers of blocks
+// and components allow.
+template <class Scalar>
+class Product {
+ public:
+  Product(const SparsityPattern<Scalar>& pattern, const Scalar* values, int blocks,
+          const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, Scalar fill,
+          const Apply& how, std::uint32_t* limited, int threads)
+      : pattern_(pattern),
+        values_(values),
+        index_(pattern.neighbours.indices.data()),
+        offsets_(pattern.neighbours.offsets.data()),
+        blocks_(blocks),
+        components_(field.components()),
+        field_(field),
+        out_(out),
+        fill_(fill),
+        limit_(how.limit),
+        trusted_(how.data == Data::trusted && how.limit == Limit::none),
+        limited_(limited) {
+    if (limit_ != Limit::none) all_ = ranges_of(field, threads);
+  }
+
+  void rows(std::size_t begin, std::size_t end) const {
+    switch (blocks_) {
+      case 1:
+        return rows_of<1>(begin, end);
+      case 2:
+        return rows_of<2>(begin, end);
+      case 3:
+        return rows_of<3>(begin, end);
+      default:
+        return rows_of<6>(begin, end);
+    }
+  }
+
+ private:
+  template <int B>
+  void rows_of(std::size_t begin, std::size_t end) const {
+    if (!SideBySide<Scalar>::reads(field_))
+      wide_rows<B, AnyLayout<Scalar>>(begin, end);
+    else if (components_ == 1)
+      narrow_rows<B, 1>(begin, end);
+    else if (components_ == 2)
+      narrow_rows<B, 2>(begin, end);
+    else if (components_ == 3)
+      narrow_rows<B, 3>(begin, end);
+    else
+      wide_rows<B, SideBySide<Scalar>>(begin, end);
+    const auto& empty = pattern_.empty_rows;
+    for (auto row = std::lower_bound(empty.begin(), empty.end(), begin);
+         row != empty.end() && *row < end; ++row)
+      for (int i = 0; i < components_ * B; ++i) out_(pattern_.target(*row), i) = fill_;
+  }
+
+  template <int B, int C>
+  void narrow_rows(std::size_t begin, std::size_t end) const {
+    const SideBySide<Scalar> field(field_, 0);
+    for (std::size_t row = begin; row < end; ++row) {
+      Scalar sums[B * C];
+      row_sums<B, C>(values_, index_, offsets_[row], offsets_[row + 1], field, sums);
+      finish(row, sums, B * C);
+    }
+  }
+
+  template <int B, class Field>
+  void wide_rows(std::size_t begin, std::size_t end) const {
+    constexpr int few = 64;
+    std::array<Scalar, few> on_stack;
+    std::vector<Scalar> many(components_ * B > few ? static_cast<std::size_t>(components_ * B) : 0);
+    Scalar* const sums = many.empty() ? on_stack.data() : many.data();
+    for (std::size_t row = begin; row < end; ++row) {
+      const std::int64_t first = offsets_[row], last = offsets_[row + 1];
+      int c = 0;
+      for (; c + 4 <= components_; c += 4)
+        row_sums<B, 4>(values_, index_, first, last, Field{field_, c}, sums + c * B);
+      if (components_ - c == 3)
+        row_sums<B, 3>(values_, index_, first, last, Field{field_, c}, sums + c * B);
+      if (components_ - c == 2)
+        row_sums<B, 2>(values_, index_, first, last, Field{field_, c}, sums + c * B);
+      if (components_ - c == 1)
+        row_sums<B, 1>(values_, index_, first, last, Field{field_, c}, sums + c * B);
+      finish(row, sums, components_ * B);
+    }
+  }
+
+  void finish(std::size_t row, Scalar* sums, int width) const {
+    const std::size_t t = pattern_.target(row);
+    if (!trusted_ && !all_finite(sums, width)) [[unlikely]]
+      mend(row, t, sums, width);
+    if (limit_ != Limit::none)
+      limited_[t] =
+          limit_row(values_, index_, offsets_[row], offsets_[row + 1], field_, limit_, all_, sums);
+    for (int i = 0; i < width; ++i) out_(t, i) = sums[i];
+  }
+
+  // Names the number of the field that is not finite; else the sum has left the range of numbers on its way.
+  [[gnu::noinline]] void mend(std::size_t row, std::size_t t, Scalar* sums, int width) const {
+    const std::int64_t first = offsets_[row], last = offsets_[row + 1];
+    for (std::int64_t e = first; e < last; ++e)
+      for (int c = 0; c < components_; ++c)
+        if (const Scalar value = field_(index_[e], c); !std::isfinite(value))
+          throw_not_finite(index_[e], c, static_cast<double>(value));
+    mend_overflow(sums, width, "target ", t, [&](int i) {
+      return detail::scaled_sum_of_products<Scalar>(
+          last - first,
+          [&](std::int64_t e) { return values_[(first + e) * blocks_ + i % blocks_]; },
+          [&](std::int64_t e) { return field_(index_[first + e], i / blocks_); });
+    });
+  }
+
+  const SparsityPattern<Scalar>& pattern_;
+  const Scalar* values_;
+  const ParticleIndex* index_;
+  const std::int64_t* offsets_;
+  int blocks_, components_;
+  const FieldView<Scalar>& field_;
+  const FieldSpan<Scalar>& out_;
+  Scalar fill_;
+  Limit limit_;
+  bool trusted_;
+  std::uint32_t* limited_;
+  std::vector<detail::DataRange<Scalar>> all_;
+};
 
 }  // namespace
 
@@ -226,68 +395,24 @@ std::vector<std::uint32_t> CsrOperator<Scalar>::empty_rows() const {
 }
 
 template <class Scalar>
-void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field,
-                                const FieldSpan<Scalar>& out) const {
-  apply(field, out, Limit::none, nullptr);
+void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
+                                Data data) const {
+  apply(field, out, Apply{.data = data}, nullptr);
 }
 
 template <class Scalar>
 void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
-                                Limit limit, std::uint32_t* limited) const {
+                                const Apply& how, std::uint32_t* limited) const {
   require(field.size() == columns(), "size of the field", field.size(),
           "must be the number of particles");
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
-  const int width = field.components() * blocks_;
-  require(out.components() == width, "components of the output", out.components(),
-          "must be those of the field times the operator's blocks");
-  const SparsityPattern<Scalar>& pattern = *pattern_;
-  pattern.require_current();
-  const Array<Scalar> in = gather<Scalar>(field, {}, {}, threads_);
-  std::vector<detail::DataRange<Scalar>> all;
-  if (limit != Limit::none) all = ranges_of(in, static_cast<std::size_t>(width));
-
-  parallel_blocks(rows(), rows_per_block, threads_, [&](std::size_t begin, std::size_t end) {
-    std::vector<Scalar> sums(width);
-    auto empty = std::lower_bound(pattern.empty_rows.begin(), pattern.empty_rows.end(), begin);
-    for (std::size_t row = begin; row < end; ++row) {
-      const std::size_t t = pattern.target(row);
-      if (empty != pattern.empty_rows.end() && *empty == row) {
-        ++empty;
-        for (int i = 0; i < width; ++i) out(t, i) = fill_;
-        continue;
-      }
-      const std::int64_t first = pattern.neighbours.offsets[row],
-                         last = pattern.neighbours.offsets[row + 1];
-      const Scalar* values = values_.data();
-      const ParticleIndex* index = pattern.neighbours.indices.data();
-      switch (blocks_) {
-        case 1:
-          row_sums<1>(field.components(), values, index, first, last, in.data(), sums.data());
-          break;
-        case 2:
-          row_sums<2>(field.components(), values, index, first, last, in.data(), sums.data());
-          break;
-        case 3:
-          row_sums<3>(field.components(), values, index, first, last, in.data(), sums.data());
-          break;
-        default:
-          row_sums<6>(field.components(), values, index, first, last, in.data(), sums.data());
-          break;
-      }
-      if (!all_finite(sums.data(), width)) [[unlikely]]
-        mend_overflow(sums.data(), width, "target ", t, [&](int i) {
-          const auto stride = static_cast<std::size_t>(field.components());
-          return detail::scaled_sum_of_products<Scalar>(
-              last - first,
-              [&](std::int64_t e) { return values[(first + e) * blocks_ + i % blocks_]; },
-              [&](std::int64_t e) { return in[index[first + e] * stride + i / blocks_]; });
-        });
-      if (limit != Limit::none)
-        limited[t] = limit_row(values, index, first, last, in.data(),
-                               static_cast<std::size_t>(width), limit, all, sums.data());
-      for (int i = 0; i < width; ++i) out(t, i) = sums[i];
-    }
-  });
+  require(out.components() == field.components() * blocks_, "components of the output",
+          out.components(), "must be those of the field times the operator's blocks");
+  pattern_->require_current();
+  const Product<Scalar> product(*pattern_, values_.data(), blocks_, field, out, fill_, how, limited,
+                                threads_);
+  parallel_blocks(rows(), rows_per_block, threads_,
+                  [&](std::size_t begin, std::size_t end) { product.rows(begin, end); });
 }
 
 template <class Scalar>

@@ -31,9 +31,9 @@ FitProblem<Scalar>::FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const
   options.validate();
   options_.particle_weights = {};  // the cloud has its own
   options_.neighbours = resolved_rule(options.neighbours, dimension(), options.degree);
-  kernel_ = make_shape_kernel<Scalar>(
-      dimension(), {options.degree, options.weight, options.form, options.solver,
-                    options.tolerances, resolved(options.instruction_set)});
+  kernel_ = make_shape_kernel<Scalar>(dimension(),
+                                      {options.degree, options.weight, options.form, options.solver,
+                                       options.tolerances, resolved(options.instruction_set)});
 }
 
 template <class Scalar>
@@ -132,10 +132,11 @@ void FitProblem<Scalar>::make_pattern() {
         row_reports_[t].status == FitStatus::too_far)
       made.empty_rows.push_back(static_cast<std::uint32_t>(t));
   const std::span<const std::uint32_t> caller_of = cloud_->caller_of();
-  recon::parallel_blocks(neighbours_.indices.size(), many_per_block, options_.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e)
-      neighbours_.indices[e] = caller_of[neighbours_.indices[e]];
-  });
+  recon::parallel_blocks(neighbours_.indices.size(), many_per_block, options_.threads,
+                         [&](std::size_t begin, std::size_t end) {
+                           for (std::size_t e = begin; e < end; ++e)
+                             neighbours_.indices[e] = caller_of[neighbours_.indices[e]];
+                         });
   made.target_of = std::move(target_of_);
   made.neighbours = std::move(neighbours_);
 }
@@ -194,9 +195,11 @@ Array<Scalar> FitProblem<Scalar>::derivatives(bool second, Derivative kind, int 
   Array<Scalar> values(list.indices.size() * static_cast<std::size_t>(blocks));
   Array<ParticleIndex> places(list.indices.size());
   const std::span<const std::uint32_t> place_of = cloud_->place_of();
-  recon::parallel_blocks(places.size(), many_per_block, options_.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) places[e] = place_of[list.indices[e]];
-  });
+  recon::parallel_blocks(places.size(), many_per_block, options_.threads,
+                         [&](std::size_t begin, std::size_t end) {
+                           for (std::size_t e = begin; e < end; ++e)
+                             places[e] = place_of[list.indices[e]];
+                         });
   NeighbourListView<Scalar> in_places = list;
   in_places.indices = places.data();
   const ShapeProblem<Scalar> problem = shape_problem(targets_, in_places);

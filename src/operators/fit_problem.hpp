@@ -69,8 +69,8 @@ class FitProblem {
   void use_nearest(const NeighbourOptions& search);
 
   std::shared_ptr<const Cloud<Scalar>> cloud_;
-  Options options_;            // refers to radii_ where its rule is Radii
-  std::vector<double> radii_;  // of the caller's targets
+  Options options_;              // refers to radii_ where its rule is Radii
+  std::vector<double> radii_;    // of the caller's targets
   NeighbourList<Scalar> given_;  // the caller's, until fit() takes it
   std::shared_ptr<const ShapeKernel<Scalar>> kernel_;
   bool own_neighbours_ = false;

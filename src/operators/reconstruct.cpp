@@ -115,7 +115,7 @@ void BasicReconstruction<Scalar>::apply(const FieldView<Scalar>& field,
   LimitCount local;
   LimitCount& count = how.count ? *how.count : local;
   count.components.assign(how.count || how.limit != Limit::none ? values_.rows() : 0, 0);
-  values_.apply(field, out, how.limit, count.components.data());
+  values_.apply(field, out, how, count.components.data());
   count.total();
 }
 

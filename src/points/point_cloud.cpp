@@ -37,7 +37,7 @@ void PointCloud<Scalar>::assign(const PointsView<Scalar>& points, const char* na
       copy_axis(points, begin, end, d, name, domain, boxes[begin / block]);
   });
   for (const Box<Scalar>& box : boxes)
-    for (int d = 0; d < dimension_; ++d) {
+    for (int d = 0; d < dimension_ && !box.is_empty(); ++d) {
       box_.add(d, box.lower[d]);
       box_.add(d, box.upper[d]);
     }

@@ -112,10 +112,10 @@ TEST(Sources, SinglePrecisionAndStretch) {
   const auto points = random_points<float, 2>(700, 5);
   const auto targets = random_points<float, 2>(600, 7);
   const SourcesF sources(points_of(points), {.stretch = {1.5, 0.5, 1}});
-  expect_same_bits(reconstruct(sources, points_of(targets), {.degree = 2}),
-                   reconstruct(points_of(points), points_of(targets),
-                               {.degree = 2, .stretch = {1.5, 0.5, 1}}),
-                   700, "stretch");
+  expect_same_bits(
+      reconstruct(sources, points_of(targets), {.degree = 2}),
+      reconstruct(points_of(points), points_of(targets), {.degree = 2, .stretch = {1.5, 0.5, 1}}),
+      700, "stretch");
 }
 
 TEST(Sources, NumberOfParticlesMayChange) {
@@ -213,8 +213,7 @@ TEST(Sources, RefusedInputChangesNothing) {
   const auto of_3d = random_points<double, 3>(600, 1);
   EXPECT_THAT(message_of([&] { sources.update(points_of(fewer)); }),
               HasSubstr("number of particle_weights = 600"));
-  EXPECT_THAT(message_of([&] { sources.update(points_of(of_3d)); }),
-              HasSubstr("dimension"));
+  EXPECT_THAT(message_of([&] { sources.update(points_of(of_3d)); }), HasSubstr("dimension"));
   EXPECT_THAT(message_of([&] { fit.update(points_of(bad)); }), HasSubstr("targets = nan"));
   EXPECT_THAT(message_of([&] { fit.update(points_of(points), Radius{-1}); }), HasSubstr("radius"));
   expect_same_bits(fit,
@@ -232,18 +231,17 @@ TEST(Sources, NeighboursAndOwnLists) {
   const auto targets = random_points<double, 2>(600, 2);
   const Sources sources(points_of(points));
   const NeighbourList<double> list = find_neighbours(sources, points_of(targets), Nearest{9});
-  const NeighbourList<double> reference =
-      find_neighbours(PointCloud<double>(points_of(points)),
-                      PointCloud<double>(points_of(targets)), Nearest{9});
+  const NeighbourList<double> reference = find_neighbours(
+      PointCloud<double>(points_of(points)), PointCloud<double>(points_of(targets)), Nearest{9});
   EXPECT_EQ(list.indices, reference.indices);
   EXPECT_EQ(list.support, reference.support);
   Reconstruction fit = reconstruct(sources, points_of(targets), list);
   expect_same_bits(fit, reconstruct(points_of(points), points_of(targets), list), 900, "own list");
   EXPECT_THAT(message_of([&] { fit.update(points_of(targets)); }), HasSubstr("neighbours"));
   fit.update(points_of(targets), Nearest{12});
-  expect_same_bits(
-      fit, reconstruct(points_of(points), points_of(targets), {.neighbours = Nearest{12}}), 900,
-      "a rule instead");
+  expect_same_bits(fit,
+                   reconstruct(points_of(points), points_of(targets), {.neighbours = Nearest{12}}),
+                   900, "a rule instead");
 }
 
 }  // namespace

@@ -83,8 +83,10 @@ extern template class BasicSources<double>;
 // The neighbours of all targets, in the caller's numbers; see find_neighbours.hpp. Radius and Radii list in
 // the order of the Sources, and so do the nearest rules among particles at the same distance.
 NeighbourList<double> find_neighbours(const Sources& sources, const PointsView<double>& targets,
-                                      const NeighbourRule& rule, const NeighbourOptions& options = {});
+                                      const NeighbourRule& rule,
+                                      const NeighbourOptions& options = {});
 NeighbourList<float> find_neighbours(const SourcesF& sources, const PointsView<float>& targets,
-                                     const NeighbourRule& rule, const NeighbourOptions& options = {});
+                                     const NeighbourRule& rule,
+                                     const NeighbourOptions& options = {});
 
 }  // namespace recon

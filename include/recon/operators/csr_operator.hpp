@@ -130,12 +130,14 @@ class CsrOperator {
   Row row(std::size_t target) && = delete;
   std::vector<std::uint32_t> empty_rows() const;  // targets without support, ascending
 
-  // A row per target; throws InvalidArgument where the field has not one value per particle, or has
-  // one that is not finite (naming the particle and the component).
+  // A row per target. Throws InvalidArgument where the field has not one value per particle, and where a value
+  // that a row needs is not finite, naming the particle and the component; those that no row needs are not
+  // looked at.
   Matrix apply(const FieldView<Scalar>& field) const;
   // The same into your own array, of rows() points and field.components() * blocks() components. It
-  // must not overlap the input.
-  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
+  // must not overlap the input. With `trusted` as data nothing is checked but sizes (limit.hpp).
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
+             Data data = Data::checked) const;
 
   // A row per particle. The field has rows() values, with components a multiple of blocks().
   Matrix apply_transpose(const FieldView<Scalar>& field) const;
@@ -144,7 +146,7 @@ class CsrOperator {
  private:
   // For a reconstruction, whose values may be limited: `limited` has a count per target.
   friend class BasicReconstruction<Scalar>;
-  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, Limit limit,
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, const Apply& how,
              std::uint32_t* limited) const;
   // Leaves an operator without rows; for another one in the same memory.
   Array<Scalar> give_up() {

@@ -51,10 +51,16 @@ struct LimitCount {
   }
 };
 
+// Are data known to be finite? Trusted data are not looked at: NaN and infinity then pass into the results,
+// and so do sums that leave the range of numbers on their way. fit.apply(u, out, recon::trusted).
+enum class Data : std::uint8_t { checked, trusted };
+inline constexpr Data trusted = Data::trusted;
+
 // How a fit is applied: fit.apply(u, {.limit = Limit::relaxed, .count = &count}).
 struct Apply {
   Limit limit = Limit::none;
   LimitCount* count = nullptr;  // overwritten, if given; all zero without limiting
+  Data data = Data::checked;    // limited values are always checked
 };
 
 namespace detail {

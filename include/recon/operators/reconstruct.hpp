@@ -74,6 +74,9 @@ class BasicReconstruction {
   Matrix apply(const FieldView<Scalar>& field, const Apply& how = {}) const;
   void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
              const Apply& how = {}) const;
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, Data data) const {
+    values_.apply(field, out, data);
+  }
   // sum_t phi_p(x_t) f_t for every particle p.
   Matrix apply_transpose(const FieldView<Scalar>& field) const {
     return values_.apply_transpose(field);

@@ -263,6 +263,32 @@ requires(detail::HasLayout<std::ranges::range_value_t<Range>> &&
                                        detail::component_stride(first));
 }
 
+// A struct of arrays: one array of numbers for each component, as in field_of(vx, vy, vz). At most 9. Throws
+// InvalidArgument where their lengths differ.
+template <detail::StableArray First, detail::StableArray... Others>
+requires(sizeof...(Others) >= 1 && detail::is_scalar<std::ranges::range_value_t<First>> &&
+         (std::is_same_v<std::remove_reference_t<std::ranges::range_reference_t<First>>,
+                         std::remove_reference_t<std::ranges::range_reference_t<Others>>> &&
+          ...)) auto field_of(First&& first, Others&&... others) {
+  using Number = std::remove_reference_t<std::ranges::range_reference_t<First>>;
+  constexpr int components = 1 + sizeof...(Others);
+  static_assert(components <= BasicFieldView<Number>::most_arrays,
+                "a field of arrays has at most 9 components");
+  const std::size_t count = std::ranges::size(first);
+  int component = 0;
+  const auto require_length = [&](std::size_t length) {
+    if (length != count)
+      detail::throw_invalid("length of array " + std::to_string(component), length,
+                            "must be that of array 0, " + std::to_string(count));
+    ++component;
+  };
+  require_length(count);
+  (require_length(std::ranges::size(others)), ...);
+  const std::array<Number*, components> arrays{std::ranges::data(first),
+                                               std::ranges::data(others)...};
+  return BasicFieldView<Number>(count, components, arrays, sizeof(Number));
+}
+
 // An Eigen matrix with a row per point and a column per component, read only.
 template <class Derived>
 requires((Derived::Flags & Eigen::DirectAccessBit) !=

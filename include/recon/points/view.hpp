@@ -77,7 +77,7 @@ PointsView<Scalar> points_of_axes(const std::array<std::vector<Scalar>, max_dime
 }
 
 // Values of `components` numbers at each of size() points; Scalar may be const (read) or not
-// (write).
+// (write). Components lie side by side, or each in an array of its own.
 template <class Scalar>
 class BasicFieldView {
   using Byte = std::conditional_t<std::is_const_v<Scalar>, const std::byte, std::byte>;
@@ -85,6 +85,7 @@ class BasicFieldView {
 
  public:
   using scalar_type = std::remove_const_t<Scalar>;
+  static constexpr int most_arrays = 9;  // of one component each: a tensor in three dimensions
 
   BasicFieldView() = default;
 
@@ -100,31 +101,49 @@ class BasicFieldView {
     require(components >= 1, "components of the field", components, "must be at least 1");
   }
 
+  // Component c of the value at point i lies at arrays[c] + i * point_stride (bytes).
+  template <class Array>
+  BasicFieldView(std::size_t size, int components, const Array& arrays, std::ptrdiff_t point_stride)
+      : BasicFieldView(size, components, arrays[0], point_stride, 0) {
+    require(components <= most_arrays, "components of the field", components,
+            "must be at most 9 where each has its array");
+    separate_ = true;
+    for (int c = 0; c < components; ++c) arrays_[c] = static_cast<Byte*>(arrays[c]);
+  }
+
   // A field that is written can be read.
   BasicFieldView(const BasicFieldView<scalar_type>& other) requires std::is_const_v<Scalar>
-      : size_(other.size()),
-        components_(other.components()),
-        base_(static_cast<Byte*>(other.data())),
-        point_stride_(other.point_stride()),
-        component_stride_(other.component_stride()) {}
+      : BasicFieldView(other.size(), other.components(), other.first(0), other.point_stride(),
+                       other.component_stride()) {
+    separate_ = other.separate();
+    for (int c = 0; c < components_ && separate_; ++c)
+      arrays_[c] = static_cast<Byte*>(other.first(c));
+  }
 
   std::size_t size() const { return size_; }
   int components() const { return components_; }
-  Address data() const { return base_; }
+  // Where component c of point 0 lies, and how many bytes further that of the next point.
+  Address first(int c) const { return first_byte(c); }
   std::ptrdiff_t point_stride() const { return point_stride_; }
+  // Has each component an array of its own? If not, they lie component_stride() bytes apart.
+  bool separate() const { return separate_; }
   std::ptrdiff_t component_stride() const { return component_stride_; }
 
   Scalar& operator()(std::size_t point, int component) const {
-    return *reinterpret_cast<Scalar*>(base_ + static_cast<std::ptrdiff_t>(point) * point_stride_ +
-                                      component * component_stride_);
+    return *reinterpret_cast<Scalar*>(first_byte(component) +
+                                      static_cast<std::ptrdiff_t>(point) * point_stride_);
   }
 
  private:
+  Byte* first_byte(int c) const { return separate_ ? arrays_[c] : base_ + c * component_stride_; }
+
   std::size_t size_ = 0;
   int components_ = 1;
   Byte* base_ = nullptr;
   std::ptrdiff_t point_stride_ = 0;
   std::ptrdiff_t component_stride_ = 0;
+  bool separate_ = false;
+  std::array<Byte*, most_arrays> arrays_{};
 };
 
 template <class Scalar>

@@ -1,0 +1,122 @@
+#include "recon/operators/kernel_sum.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "neighbourhood/cloud.hpp"
+#include "recon/core/parallel.hpp"
+
+namespace recon {
+namespace {
+
+constexpr std::size_t targets_per_block = 256;
+
+// integral of w(q) q^power over 0 <= q <= 1: Gauss-Legendre with four points in 600 intervals,
+// whose borders are among them the knots of the B-splines.
+double radial_moment(const WeightFunction& weight, int power) {
+  constexpr int intervals = 600;
+  constexpr std::array<double, 4> place{-0.86113631159405258, -0.33998104358485626,
+                                        0.33998104358485626, 0.86113631159405258};
+  constexpr std::array<double, 4> share{0.34785484513745386, 0.65214515486254614,
+                                        0.65214515486254614, 0.34785484513745386};
+  double sum = 0;
+  for (int i = 0; i < intervals; ++i) {
+    std::array<double, 4> q, w;
+    for (std::size_t g = 0; g < 4; ++g) q[g] = (i + 0.5 + 0.5 * place[g]) / intervals;
+    weight.evaluate(q.data(), w.data(), nullptr, 4);
+    for (std::size_t g = 0; g < 4; ++g)
+      sum += share[g] / (2 * intervals) * w[g] * std::pow(q[g], power);
+  }
+  return sum;
+}
+
+// The values of a list, in numbers of places, of targets in the coordinates of the cloud.
+template <class Scalar>
+void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scalar>& targets,
+                      const NeighbourList<Scalar>& list, const KernelOptions& options,
+                      Array<Scalar>& values) {
+  const PointCloud<Scalar>& particles = cloud.points();
+  const int dimension = particles.dimension();
+  const bool radial = options.form == WeightForm::radial;
+  const double integral = weight_integral(options.weight, options.form, dimension);
+  double unit = integral;
+  for (int d = 0; d < dimension; ++d) unit *= cloud.stretch()[d];
+  values.resize(list.indices.size());
+  parallel_blocks(list.targets(), targets_per_block, options.threads,
+                  [&](std::size_t begin, std::size_t end) {
+                    std::vector<Scalar> q;
+                    for (std::size_t t = begin; t < end; ++t) {
+                      const std::int64_t first = list.offsets[t];
+                      const auto count = static_cast<std::size_t>(list.count(t));
+                      Scalar* const w = values.data() + first;
+                      const auto factor = static_cast<Scalar>(
+                          1 / (unit * std::pow(static_cast<double>(list.support[t]), dimension)));
+                      // Radial: q is |x_p - x| / rho; tensor product: one factor for each axis.
+                      q.assign(count, Scalar(0));
+                      std::fill_n(w, count, factor);
+                      for (int d = 0; d < dimension; ++d) {
+                        for (std::size_t i = 0; i < count; ++i) {
+                          const std::size_t e = static_cast<std::size_t>(first) + i;
+                          Scalar along = particles(list.indices[e], d) - targets(t, d);
+                          if (!list.shifts.empty())
+                            along += static_cast<Scalar>(list.shifts[e][d]) * cloud.domain().period(d);
+                          along /= list.support[t];
+                          q[i] = radial ? q[i] + along * along : std::abs(along);
+                        }
+                        if (radial) continue;
+                        options.weight.evaluate(q.data(), q.data(), nullptr, count);
+                        for (std::size_t i = 0; i < count; ++i) w[i] *= q[i];
+                      }
+                      if (!radial) continue;
+                      for (Scalar& square : q) square = std::sqrt(square);
+                      options.weight.evaluate(q.data(), q.data(), nullptr, count);
+                      for (std::size_t i = 0; i < count; ++i) w[i] *= q[i];
+                    }
+                  });
+}
+
+}  // namespace
+
+double weight_integral(const WeightFunction& weight, WeightForm form, int dimension) {
+  if (form == WeightForm::tensor_product) return std::pow(2 * radial_moment(weight, 0), dimension);
+  constexpr std::array<double, max_dimension> unit_sphere{2, 2 * std::numbers::pi,
+                                                          4 * std::numbers::pi};
+  return unit_sphere[dimension - 1] * radial_moment(weight, dimension - 1);
+}
+
+template <class Scalar>
+CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
+                                    const PointsView<Scalar>& targets,
+                                    const KernelOptions& options) {
+  const detail::Cloud<Scalar>& cloud = *sources.cloud();
+  NeighbourOptions search;
+  search.shape = options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
+  search.search = options.search;
+  search.threads = options.threads;
+  search.instruction_set = options.instruction_set;
+  PointCloud<Scalar> at;
+  cloud.take_targets(targets, "targets", options.threads, at);
+  auto pattern = std::make_shared<SparsityPattern<Scalar>>();
+  NeighbourList<Scalar>& list = pattern->neighbours;
+  cloud.find(at, options.support, search, false, list);
+  if (std::holds_alternative<Nearest>(options.support) ||
+      std::holds_alternative<NearestWithin>(options.support)) {
+    const std::vector<double> radii(list.support.begin(), list.support.end());
+    cloud.find(at, Radii{radii}, search, false, list);
+  }
+  Array<Scalar> values;
+  evaluate_kernels(cloud, at, list, options, values);
+  const std::span<const std::uint32_t> caller_of = cloud.caller_of();
+  for (ParticleIndex& p : list.indices) p = caller_of[p];
+  pattern->columns = cloud.points().size();
+  pattern->cloud = sources.cloud();
+  pattern->version = cloud.version();
+  return CsrOperator<Scalar>(std::move(pattern), std::move(values), 1, Scalar(0), options.threads);
+}
+
+template CsrOperator<float> kernel_operator(const SourcesF&, const PointsView<float>&,
+                                            const KernelOptions&);
+template CsrOperator<double> kernel_operator(const Sources&, const PointsView<double>&,
+                                             const KernelOptions&);
+
+}  // namespace recon
