@@ -22,10 +22,12 @@
 // declare_missing(); leave_out_missing() then leaves out the particles that have no value in the
 // columns that are used.
 //
+// ```cpp
 //   recon::ParticleTable grains = recon::read_particles("chute.dump.gz");
-//   recon::PointsView<double> points = grains.positions();           // no copy
+//   recon::PointsView<double> points = grains.positions();  // no copy
 //   recon::NamedField velocity = grains.field("velocity", {"vx", "vy", "vz"});
 //   recon::PeriodicDomain<double> domain = grains.domain();
+// ```
 //
 // Units are those of the source. Views refer to the table: they stay valid while it lives, also
 // when it is moved or columns are added, but not when it is copied from or assigned to.

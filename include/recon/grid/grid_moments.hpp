@@ -1,14 +1,17 @@
 // The moments of particles at all nodes of a grid, to be added up before they are solved.
 //
-//   GridMoments moments(points, {velocity}, grid, options);    // each process from its own
-//   particles moments += others;                                         // or add values()
-//   yourself, by MPI GridReconstruction fit = moments.solve();
+// ```cpp
+//   recon::GridMoments moments(points, {velocity}, grid, options);  // each process: its particles
+//   moments += others;                      // or add up values() yourself, for example by MPI
+//   recon::GridReconstruction fit = moments.solve();
+// ```
 //
 // Moments about the nodes are additive over particles: M and b of reconstruct_on_grid.hpp from all
-// particles are the sums of those from any parts of them. Of each node per_node() numbers are held:
-//     number of particles | C(2 R + D, D) moments sum m_p w_ip xi^alpha, as Monomials<D, 2 R> |
-//     for each component C(R + D, D) right-hand sides sum m_p w_ip xi^alpha u_p, as Monomials<D,
-//     R>.
+// particles are the sums of those from any parts of them. Each node has per_node() numbers, which
+// are in this order:
+//     the number of particles
+//     C(2 R + D, D) moments sum m_p w_ip xi^alpha, as Monomials<D, 2 R>
+//     for each component C(R + D, D) right-hand sides sum m_p w_ip xi^alpha u_p, as Monomials<D, R>
 //
 // solve() no longer has the particles. Where the moment matrix is not safe it lowers the degree
 // until it is (by the bound of FitReport::amplification, where that exceeds the leverage limit):

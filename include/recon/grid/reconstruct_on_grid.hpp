@@ -1,15 +1,17 @@
-// reconstruct_on_grid(points, fields, grid, options): particle data at the nodes of a structured
-// grid.
+// reconstruct_on_grid(points, fields, grid, options): particle data at the nodes of a regular grid.
 //
-//   recon::GridReconstruction v = recon::reconstruct_on_grid(points, {velocity}, grid,
-//       {.degree = 1, .weight = recon::Weight::cubic_b_spline});
-//   v.values()                                  // Eigen matrix, a row per node, 3 columns
-//   recon::GridReconstruction s = recon::reconstruct_on_grid(points, {stress, density},
-//       cell_centres(grid), {.weight = recon::Weight::quadratic_b_spline});    // 6 + 1 columns
+// ```cpp
+//   const recon::GridReconstruction v = recon::reconstruct_on_grid(
+//       points, {velocity}, grid, {.degree = 1, .weight = recon::Weight::cubic_b_spline});
+//   const Eigen::MatrixXd& at_nodes = v.values();  // a row per node, 3 columns
+//   const recon::GridReconstruction s = recon::reconstruct_on_grid(
+//       points, {stress, density}, recon::cell_centres(grid),
+//       {.weight = recon::Weight::quadratic_b_spline});  // 6 + 1 columns
+// ```
 //
 // Moving least squares at every node x_i (Gong 2015, eq. 3.6-3.8), with xi = (x_p - x_i) / rho per
-// axis, w_ip = w(xi), an optional weight m_p >= 0 of each particle (its mass or volume), m the
-// monomials:
+// axis, w_ip = w(xi), m_p >= 0 the weight of a particle (its mass or volume; 1 unless given), and m
+// the monomials:
 //     M_i = sum_p m_p w_ip m(xi) m(xi)^T ,  b_i = sum_p m_p w_ip m(xi) u_p ,  M_i a = b_i ;
 // the value is a_0, the gradient a_1 .. a_D divided by rho. Both are sums over particles: they are
 // formed cell by cell of particles, without neighbour lists, and solved as soon as a row of nodes
@@ -17,9 +19,9 @@
 //
 // The values are, up to rounding, those of reconstruct() with Radius, the same weight and the
 // solver moment_matrix; and as there, a node whose moment matrix is not safe is fitted anew from
-// its particles by graded Gram-Schmidt. So is its FitReport; `neighbours` counts particles with m_p
-// > 0 whose w_ip exceeds eps^2 w(0). Without neighbours status is no_support, and the value is
-// fill_value.
+// its particles by graded Gram-Schmidt. The FitReport is that of reconstruct() as well; its
+// `neighbours` counts the particles with m_p > 0 and w_ip > eps^2 w(0). A node without any has the
+// status no_support and the value fill_value.
 //
 // Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument for
 // sizes and dimensions that differ, bad options, coordinates and data that are not finite (naming

@@ -5,10 +5,12 @@
 // shown letter by letter, whatever they contain. A picture appears complete or not at all
 // (atomic_file.hpp).
 //
+// ```cpp
 //   recon::HeatMap map;
-//   map.panels.push_back({.title = "density", .grid = grid, .values = density});
+//   map.panels.push_back({.title = "density", .grid = grid, .values = nodal_density});
 //   map.colour_label = "density / (kg/m^3)";
 //   recon::draw("density.png", map);
+// ```
 //
 // HeatMap. Each node of a 2-D grid is a rectangle of one spacing around it, coloured along viridis
 // (perceptually uniform, readable without red-green vision, grey in print); NaN is grey. Equal

@@ -30,9 +30,11 @@
 //
 // All frames, with the memory of one:
 //
+// ```cpp
 //   recon::FrameReader frames("chute.dump.gz");
 //   while (std::optional<recon::ParticleTable> table = frames.next()) use(*table);
-//   if (!frames.cut().empty()) warn(frames.cut());
+//   if (!frames.cut().empty()) std::cerr << frames.cut() << std::endl;
+// ```
 //
 // Cost: one pass over the file to find the frames, and one over the frame asked for; memory for
 // that frame only. A frame counted from the front is read without looking at what comes after it.

@@ -7,11 +7,10 @@
 // there is to do.
 //
 // Where they are not, the degrees are worked through again as whole blocks. Of the block of degree
-// k, less its part in the lower degrees, the singular directions are found, and a direction is
-// dropped when
+// k, less its part in the lower degrees, the singular directions are found. A direction is dropped
+// when
 //   - its independent part is at most `rank` (or the rounding of the coordinates) times its size:
-//   the
-//     particles do not resolve it, as y on a line of particles y = const; or
+//     the particles do not resolve it, as y on a line of particles y = const; or
 //   - the leverage of it, together with the directions of comparable size (singular values within a
 //     factor of two of the next), exceeds `leverage`: the target lies so far outside the particles
 //     in this direction that the fit would amplify noise by that factor. The factor is
@@ -20,13 +19,15 @@
 //     the weight the bound is several times too large. Nothing is dropped for its leverage where
 //     sum_p |phi_p| of all that is resolved, or of what is kept so far and these directions, stays
 //     within the limit.
-// The rest goes on. So the constant is never lost (partition of unity survives anything), and a
-// cloud on a line is still reproduced to the asked degree along the line. Dropping singular
-// directions instead of single monomials makes the result independent of the choice of axes: the
-// directions dropped in degree k are the leading forms of the polynomials that vanish on the
-// particles, and with the monomials scaled by sqrt(k! / alpha!) what is kept is the complement in
-// an inner product that rotations leave alone. A linear direction that is dropped takes its
-// products with it: the higher degrees are built from the kept linear directions only.
+//
+// The other directions are kept, and the next degree follows. So the constant is never lost
+// (partition of unity survives anything), and a cloud on a line is still reproduced to the asked
+// degree along the line. Dropping singular directions instead of single monomials makes the result
+// independent of the choice of axes: the directions dropped in degree k are the leading forms of
+// the polynomials that vanish on the particles, and with the monomials scaled by sqrt(k! / alpha!)
+// what is kept is the complement in an inner product that rotations leave alone. A linear direction
+// that is dropped takes its products with it: the higher degrees are built from the kept linear
+// directions only.
 //
 // Cost: 4 n m^2 multiplications for n particles and m terms; the block path about three times that.
 #pragma once

@@ -1,14 +1,13 @@
 // One target's local least-squares problem: minimise sum_p w_p (sum_j a_j m_j(xi_p) - u_p)^2.
 //
-// Shapes: n particles, terms m_j of a basis (basis/monomials.hpp). What comes out are shape
-// functions
+// Shapes: n particles, terms m_j of a basis (basis/monomials.hpp). The results are shape functions
 //     phi_p = w_p m(xi_p)^T M^-1 m(0) ,   M = sum_p w_p m(xi_p) m(xi_p)^T   (the moment matrix),
 // so that the fit at the target is sum_p phi_p u_p (Gong 2015, eq. 3.8 with b(0); corrected form of
 // Tran et al. 2019, eq. 17), and their derivatives:
 //   diffuse  of the local polynomial, the target held:  d phi_p = w_p m_p^T M^-1 dm(0)
 //   exact    of x -> phi_p(x), through weights and solve:
-//     d phi_p = dw_p lambda_p + w_p m_p^T M^-1 (dm(0) - sum_q dw_q lambda_q m_q),  lambda_q = m_q^T
-//     M^-1 m(0).
+//            d phi_p = dw_p lambda_p + w_p m_p^T M^-1 (dm(0) - sum_q dw_q lambda_q m_q)
+//            with lambda_q = m_q^T M^-1 m(0).
 // The second form holds the basis still while the target moves, which is allowed because the space
 // of polynomials is the same about every point.
 #pragma once

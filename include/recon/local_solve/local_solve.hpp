@@ -1,9 +1,10 @@
-// One local fit with any solver, including the hand-over of what a solver cannot do to
-// Gram-Schmidt.
+// One local fit with any solver; what a solver cannot do is handed over to Gram-Schmidt.
 //
-//   LocalSolve<double, Monomials<3, 1>> solve(Solver::moment_matrix);
-//   FitReport report = solve.fit(cloud);            // cloud: LocalCloud, the caller's arrays
+// ```cpp
+//   recon::LocalSolve<double, recon::Monomials<3, 1>> solve(recon::Solver::moment_matrix);
+//   recon::FitReport report = solve.fit(cloud);     // cloud: LocalCloud, the caller's arrays
 //   solve.shape_functions(cloud, {.value = phi});   // phi[p] for each particle
+// ```
 //
 // T is float, double, long double or a number type of your own (docs/concepts.md), for which there
 // are the solvers moment_matrix and gram_schmidt; B any Basis. Objects keep their work space from

@@ -10,12 +10,12 @@
 //     kinetic        sum_p m_p v_p^2 / 2    node_kinetic   sum_i m_i v_i^2 / 2, with a consistent
 //                                                          mass sum_ij v_i M_ij v_j / 2
 //     strain         the integral of the strain energy
-//     linear_strain  sum_p V_p sigma_p : epsilon_p / 2 with epsilon the strain of Hooke's law (eq.
-//                    27), which misses 13 % at an amplitude of 0.1
-//     interpolation_error = (node_kinetic - kinetic), algorithmic_error = -(node_kinetic + strain),
-//                    both less their value at the start of the account
-// so that the change of kinetic + strain is minus their sum. Work of external forces is in the
-// algorithmic error.
+//     linear_strain  sum_p V_p sigma_p : epsilon_p / 2 with epsilon the strain of Hooke's law
+//                    (eq. 27), which misses 13 % at an amplitude of 0.1
+//     interpolation_error = node_kinetic - kinetic   and
+//     algorithmic_error   = -(node_kinetic + strain), both less their value at the start
+// of the account, so that the change of kinetic + strain is minus their sum. Work of external
+// forces is in the algorithmic error.
 #pragma once
 
 #include <array>

@@ -1,11 +1,14 @@
 // A problem: bodies of particles on a grid, what acts on them, and how it is to be solved.
 //
-//   recon::mpm::Problem<2> problem;
+// ```cpp
+//   recon::mpm::Problem<2> problem;  // or read_problem(), read_problem.hpp
 //   problem.grid = {{0, 0}, {1, 1}, 0.05};
-//   problem.materials = {recon::mpm::NeoHookean{Lame::from(1000, 0.3)}};
-//   problem.particles.add(...);                   // or a problem file, read_problem.hpp
+//   problem.materials = {recon::mpm::NeoHookean{recon::mpm::Lame::from(1000, 0.3)}};
+//   problem.densities = {1};
+//   problem.particles.add({0.5, 0.5}, half_edges, problem.densities[0], 0);  // particles.hpp
 //   problem.method = recon::mpm::method_named("cpls");
-//   recon::mpm::Simulation<2> simulation(problem);        // simulation.hpp
+//   recon::mpm::Simulation<2> simulation(problem);  // simulation.hpp
+// ```
 #pragma once
 
 #include <functional>

@@ -1,7 +1,10 @@
 // Problems from TOML files. docs/mpm.md lists all keys.
 //
-//   auto problem = recon::mpm::read_problem("disks.toml", {"method.name=cpls", "cells=40"});
-//   std::visit([](auto& p) { ... }, problem);
+// ```cpp
+//   const std::vector<std::string> settings{"method.name=cpls", "grid.cells=40"};
+//   recon::mpm::AnyProblem file = recon::mpm::read_problem("disks.toml", settings);
+//   std::visit([](auto& any) { recon::mpm::Simulation simulation(any.problem); }, file);
+// ```
 //
 // Lengths, masses and times are in any consistent units. A value that may vary is a number or a
 // text with an expression of X, Y, Z (reference position), x, y, z (current position) and t;

@@ -1,7 +1,9 @@
 // The time steps: momentum on the grid, particles carried by it.
 //
-//   Simulation<D> simulation(problem);
+// ```cpp
+//   recon::mpm::Simulation<2> simulation(problem);
 //   while (simulation.time() < end) simulation.step(simulation.choose_step().dt);
+// ```
 //
 // A step is
 //   1  particles to nodes: v_i, m_i, f_i

@@ -1,12 +1,11 @@
-// A linear map from particle data to targets, one sparse row per target: values, gradients,
-// Hessians.
+// A linear map from particle data to targets, a sparse row per target: values or derivatives.
 //
 //     out(t, c * blocks + b) = sum over the entries e of row t of  value(e, b) * in(index(e), c)
 // with `blocks` numbers per entry: 1 for values, D for gradients (d/dx, d/dy, d/dz), D (D + 1) / 2
 // for Hessians (xx, xy, xz, yy, yz, zz). A field of any number of components c goes through in one
 // pass. The transpose takes target data back to particles, for example nodal forces:
-//     out(p, c) = sum over the entries e with index p of  sum_b value(e, b) * in(row(e), c * blocks
-//     + b) .
+//     out(p, c) = sum over the entries e with index p of
+//                 sum_b value(e, b) * in(row(e), c * blocks + b) .
 // <apply(u), f> = <u, apply_transpose(f)> to rounding, whatever the number of entries of a row or
 // column (core/sums.hpp). Sums run in a fixed order: the same bits for any number of threads.
 //

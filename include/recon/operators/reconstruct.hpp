@@ -1,11 +1,15 @@
-// reconstruct(points, targets, options): scattered particle data become a field at all targets at
-// once.
+// reconstruct(points, targets, options): scattered particle data become a field at all targets.
 //
-//   recon::Reconstruction fit = recon::reconstruct(points, targets, {.degree = 1, .neighbours =
-//   recon::Radius{2 * h}}); Eigen::MatrixXd v      = fit.apply(velocity);              // a row per
-//   target Eigen::MatrixXd grad_v = fit.gradient().apply(velocity);   // columns dvx/dx, dvx/dy,
-//   ..., dvy/dx, ... Eigen::MatrixXd force  = fit.apply_transpose(nodal_force); // a row per
-//   particle if (fit.report().reduced() > 0) ...                        // fit.report()[t] says
+// ```cpp
+//   const recon::Reconstruction fit = recon::reconstruct(
+//       points, targets, {.degree = 1, .neighbours = recon::Radius{2 * h}});
+//   Eigen::MatrixXd v      = fit.apply(velocity);               // a row per target
+//   Eigen::MatrixXd grad_v = fit.gradient().apply(velocity);    // dvx/dx, dvx/dy, ..., dvy/dx, ...
+//   Eigen::MatrixXd force  = fit.apply_transpose(nodal_force);  // a row per particle
+//   if (fit.report().reduced() > 0) {
+//     // fit.report()[t] says what became of target t
+//   }
+// ```
 //   what became of target t
 //
 // At each target x the particles in its support are fitted with a polynomial of the asked degree

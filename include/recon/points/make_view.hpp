@@ -1,20 +1,30 @@
 // points_of(...) and field_of(...): how your data become views, without being copied.
 //
-//   what you have                                    how to say it
-//   std::vector<Grain>, member Grain::position       points_of(grains, &Grain::position)
-//   std::vector<std::array<double, 3>>, spans,       points_of(positions)
-//     std::vector<Eigen::Vector3d>, struct { x, y, z; }, double[3], ...
-//   one array per axis                               points_of(x, y), points_of(x, y, z)
-//   one array, 1-D points                            points_of(x)
-//   Eigen matrix, a row per point                    points_of(matrix); matrix.transpose() if a
-//   column flat array x0 y0 z0 x1 y1 z1 ...                 points_of_flat(array, 3) types
-//   registered with Boost.Geometry             recon/points/boost_geometry.hpp
+//   what you have                                   how to say it
+//   std::vector<Grain>, member Grain::position      points_of(grains, &Grain::position)
+//   std::vector or span of std::array<double, 3>,   points_of(positions)
+//     Eigen::Vector3d, struct { x, y, z; },
+//     double[3], ...
+//   one array per axis                              points_of(x, y), points_of(x, y, z)
+//   one array, points in 1-D                        points_of(x)
+//   Eigen matrix, a row per point                   points_of(matrix)
+//   Eigen matrix, a column per point                points_of(matrix.transpose())
+//   flat array x0 y0 z0 x1 y1 z1 ...                points_of_flat(array, 3)
+//   types registered with Boost.Geometry            points_of of points/boost_geometry.hpp
 //
-// The same forms exist for fields: field_of(grains, &Grain::velocity), field_of(values),
-// field_of(vx, vy, vz), field_of(matrix), field_of_flat(array, components). A matrix-valued
-// member (std::array<std::array<double, 3>, 3>, Eigen::Matrix3d) is a field of 9 components in the
-// order in which it lies in memory. field_of on data that are not const gives a view that can be
-// written.
+// Fields have the same forms, but for those of several arrays; components that lie in arrays of
+// their own are fields of their own:
+//
+// ```cpp
+//   recon::FieldView<double> velocity = recon::field_of(grains, &Grain::velocity);
+//   recon::FieldView<double> heat = recon::field_of(temperature);          // a number per particle
+//   recon::FieldView<double> momentum = recon::field_of_flat(momenta, 3);  // px py pz px py pz ...
+//   recon::FieldView<double> v_x = recon::field_of(vx), v_y = recon::field_of(vy);
+// ```
+//
+// A matrix-valued member (std::array<std::array<double, 3>, 3>, Eigen::Matrix3d) is a field of 9
+// components in the order in which it lies in memory. field_of gives a FieldSpan, which can be
+// written, where the data are not const.
 //
 // Temporaries that own their numbers are refused at compile time: a view of one would dangle.
 #pragma once
@@ -137,8 +147,7 @@ PointsView<Scalar> strided_points(std::size_t size, int dimension, const Scalar*
 
 }  // namespace detail
 
-// ---- points
-// --------------------------------------------------------------------------------------
+// ---- points --------------------------------------------------------------------------------
 
 // A member of your own struct: points_of(grains, &Grain::position).
 template <detail::StableArray Range, class Struct, class Member>
@@ -219,8 +228,7 @@ auto points_of_flat(Range&& numbers, int dimension) {
                                         dimension * static_cast<std::ptrdiff_t>(sizeof(Scalar)));
 }
 
-// ---- fields
-// --------------------------------------------------------------------------------------
+// ---- fields --------------------------------------------------------------------------------
 
 namespace detail {
 

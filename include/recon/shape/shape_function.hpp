@@ -2,10 +2,14 @@
 //
 // This is the template interface beneath reconstruct(): every part is a type that you may supply.
 //
-//   recon::ShapeEvaluator<recon::Monomials<2, 1>, MyWeight> shapes(MyWeight{},
-//   recon::Solver::gram_schmidt); recon::KdTree<double, 2> search(cloud); const auto& shape =
-//   shapes.at(x, rho, search, [&](auto p) { return position[p]; });
-//   // sum over i of shape.value[i] * u[shape.neighbours[i]] is the fit at x
+// ```cpp
+//   recon::KdTree<double, 2> search(particles);
+//   recon::ShapeEvaluator<recon::Monomials<2, 1>, MyWeight> shapes(MyWeight{});
+//   const auto& shape = shapes.at(x, rho, search, [&](auto p) { return position[p]; });
+//   double fit = 0;  // at x, of the data u
+//   for (std::size_t i = 0; i < shape.neighbours.size(); ++i)
+//     fit += shape.value[i] * u[shape.neighbours[i]];
+// ```
 //
 // Concepts: RadialWeight (weights/weight.hpp), Basis (basis/monomials.hpp), NeighbourSearch
 // (neighbourhood/search.hpp); the scalar T is any type with arithmetic, comparison and a square

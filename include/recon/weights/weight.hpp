@@ -1,23 +1,24 @@
 // Weight functions: how much a particle counts at a distance.
 //
 // A weight is a function w(q) of q = |x - x_p| / rho, with rho the support radius (a length) and q
-// without unit; w > 0 for q < 1 and w = 0 for q >= 1. It multiplies the squared residual of the
-// fit:
-//     minimise  sum_p w(q_p) (p(x_p) - u_p)^2 .
+// without unit; w > 0 for q < 1 and w = 0 for q >= 1. It multiplies the squared residual:
+//     minimise  sum_p w(q_p) (p(x_p) - u_p)^2  over the polynomials p.
 // Its scale does not matter to a fit. Radial weights use one q; a tensor-product weight is the
 // product of one factor w(|x_d - x_pd| / rho) per axis, with the support a cube.
 //
 // Written here, each a small struct with operator() and derivative() = dw/dq for any arithmetic
 // type, packs (core/pack.hpp) among them:
-//   BSpline<P>, P = 1..5    centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h
-//   the cardinal
-//                           spline has rho = (P + 1) h / 2: linear h, quadratic 1.5 h, cubic 2 h.
-//                           P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al. (2019) eq. 10.
-//   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions (Wendland
-//   1995). Gaussian                exp(-(q/c)^2), lowered so that it is continuous at q = 1
-//                           (Belytschko, Lu, Gu 1994), c its width in supports; 1 - q^2 for c >> 1.
-//   InverseDistance         (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): nearly
-//   interpolating.
+//   BSpline<P>, P = 1..5      centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h
+//                             the cardinal spline has rho = (P + 1) h / 2: linear h, quadratic
+//                             1.5 h, cubic 2 h. P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al.
+//                             (2019) eq. 10
+//   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions
+//                             (Wendland 1995)
+//   Gaussian                  exp(-(q/c)^2), lowered so that it is continuous at q = 1
+//                             (Belytschko, Lu, Gu 1994), c its width in support radii; it tends to
+//                             1 - q^2 for c >> 1
+//   InverseDistance           (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): for
+//                             small e nearly interpolating
 #pragma once
 
 #include <algorithm>
@@ -239,9 +240,8 @@ enum class Weight {
 
 enum class WeightForm { radial, tensor_product };
 
-// All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic",
-// "wendland_c0",
-// ..., "gaussian", "inverse_distance".
+// All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic" (B-splines),
+// "wendland_c0", ..., "gaussian", "inverse_distance".
 std::span<const Weight> all_weights();
 std::string_view name_of(Weight weight);
 // Throws InvalidArgument with the nearest valid names for an unknown one.

@@ -1,7 +1,6 @@
 // Sums over kernels: how much of something lies at a place, per volume.
 //
-//     s(x) = sum_p a_p W(x - x_p),   W(r) = w(q) / (c rho^D),   c = integral of w over the unit
-//     support,
+//     s(x) = sum_p a_p W(x - x_p),   W(r) = w(q) / (c rho^D),   c = integral of w, unit support,
 // with the amounts a_p of the particles (mass: density; 1: number density; volume: solid fraction),
 // w(q) the weight of the reconstruction and rho the support radius of the target (Lucy 1977;
 // Gingold and Monaghan 1977). W has a unit integral, so the integral of s over all space is the sum
