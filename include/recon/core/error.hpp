@@ -51,8 +51,7 @@ template <class Value>
 
 }  // namespace detail
 
-// Throws InvalidArgument(argument, value, rule) unless `holds`. The texts are built only on
-// failure.
+// Throws InvalidArgument(argument, value, rule) unless `holds`. Its texts are built only then.
 template <class Value>
 void require(bool holds, const char* argument, const Value& value, const char* rule) {
   if (!holds) [[unlikely]]

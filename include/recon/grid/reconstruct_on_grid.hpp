@@ -23,11 +23,11 @@
 // `neighbours` counts the particles with m_p > 0 and w_ip > eps^2 w(0). A node without any has the
 // status no_support and the value fill_value.
 //
-// Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument for
-// sizes and dimensions that differ, bad options, coordinates and data that are not finite (naming
-// the particle and the component), negative m_p, and results that are too large for the precision
-// (naming the node). The unit of m_p does not matter. Sums of any number of particles are good to a
-// few roundings.
+// Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument
+// for sizes and dimensions that differ, bad options, coordinates and data that are not finite
+// (naming the particle and the component), negative m_p, and results that are too large for the
+// precision (naming the node). The unit of m_p does not matter. Sums of any number of particles
+// are good to a few roundings.
 //
 // Cost: linear in the number of particles. Memory beyond the result: 4 bytes for each particle,
 // half a byte for each node, and per thread about a megabyte of moments. The same bits for any
@@ -45,7 +45,7 @@
 
 namespace recon {
 
-// Values, gradients and reports at the nodes; node i is number i of StructuredGrid.
+// Values, gradients and reports at the nodes, in the order of the nodes of StructuredGrid.
 template <class Scalar>
 class BasicGridReconstruction {
  public:

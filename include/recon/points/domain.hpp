@@ -36,7 +36,7 @@ struct Box {
   }
 };
 
-// "coordinate y of point 7 of the targets", for messages.
+// How messages call a coordinate: "coordinate y of point 7 of the targets".
 std::string coordinate_name(std::size_t point, int axis, const char* points);
 
 // The box of all points; empty for no points. Throws InvalidArgument where a coordinate is not
@@ -54,7 +54,7 @@ struct PeriodicDomain {
   bool any() const { return periodic[0] || periodic[1] || periodic[2]; }
   Scalar period(int axis) const { return upper[axis] - lower[axis]; }
 
-  // The image of a coordinate that lies in [lower, upper).
+  // The periodic image of a coordinate that lies in [lower, upper).
   Scalar wrap(Scalar coordinate, int axis) const {
     if (!periodic[axis]) return coordinate;
     const Scalar length = period(axis);

@@ -67,9 +67,10 @@ concept XY = requires(T& t) {
 }
 &&!XYZ<T>;
 
-// Layout of one value: how many numbers, and where the first lies. Numbers must lie side by side.
+// The layout of one value: how many numbers it has, and where the first lies. They must
+// lie side by side.
 template <class T>
-struct Layout;  // no layout: see the table at the top of this file
+struct Layout;  // undefined for other types: see the table at the top of this file
 
 template <class T>
 requires is_scalar<T>
@@ -118,8 +119,8 @@ concept HasLayout = requires {
 template <class T>
 using LayoutScalar = typename Layout<std::remove_cv_t<T>>::Scalar;
 
-// Distance in bytes between the numbers of one value. For { x, y, z } it is taken from the members,
-// so that padding is respected; a struct with unevenly spread members has no view.
+// The distance in bytes between the numbers of one value. For { x, y, z } it is taken from the
+// members, so that padding is respected; a struct whose members are not evenly spaced has no view.
 template <class T>
 std::ptrdiff_t component_stride(T& value) {
   using Plain = std::remove_cv_t<T>;
@@ -135,7 +136,7 @@ std::ptrdiff_t component_stride(T& value) {
   }
 }
 
-// Base address of number `c` of the value, or null for an empty range.
+// The base address of number `c` of the values, or null for an empty range.
 template <class Scalar>
 PointsView<Scalar> strided_points(std::size_t size, int dimension, const Scalar* first,
                                   std::ptrdiff_t axis_stride, std::ptrdiff_t point_stride) {
@@ -232,7 +233,7 @@ auto points_of_flat(Range&& numbers, int dimension) {
 
 namespace detail {
 
-// A view of `first` and its like: const numbers give a FieldView, others a FieldSpan.
+// A field that begins at `first`: const numbers give a FieldView, others a FieldSpan.
 template <class Number>
 BasicFieldView<Number> strided_field(std::size_t size, int components, Number* first,
                                      std::ptrdiff_t point_stride, std::ptrdiff_t component_stride) {
@@ -283,7 +284,7 @@ requires((Derived::Flags & Eigen::DirectAccessBit) !=
                                              m.rowStride() * bytes, m.colStride() * bytes);
 }
 
-// The same, to be written.
+// The same for a matrix that may be written.
 template <class Derived>
 requires((Derived::Flags & Eigen::DirectAccessBit) != 0 &&
          (Derived::Flags & Eigen::LvalueBit) !=

@@ -64,8 +64,7 @@ class PointsView {
   std::array<Reader, max_dimension> readers_{};
 };
 
-// Points whose coordinates lie in one contiguous array per axis; arrays beyond the dimension are
-// not read.
+// Points whose coordinates lie in one array per axis; arrays beyond the dimension are not read.
 template <class Scalar>
 PointsView<Scalar> points_of_axes(const std::array<std::vector<Scalar>, max_dimension>& axes,
                                   int dimension) {
@@ -76,8 +75,8 @@ PointsView<Scalar> points_of_axes(const std::array<std::vector<Scalar>, max_dime
           {step, step, step}};
 }
 
-// Values of `components` numbers at each of size() points; Scalar may be const (read) or not
-// (write).
+// Values of `components` numbers at each of size() points. Scalar is const where
+// they are only read.
 template <class Scalar>
 class BasicFieldView {
   using Byte = std::conditional_t<std::is_const_v<Scalar>, const std::byte, std::byte>;
@@ -88,8 +87,8 @@ class BasicFieldView {
 
   BasicFieldView() = default;
 
-  // Component c of the value at point i lies at base + i * point_stride + c * component_stride
-  // (bytes).
+  // Component c of the value at point i lies at base + i * point_stride + c *
+  // component_stride bytes.
   BasicFieldView(std::size_t size, int components, Address base, std::ptrdiff_t point_stride,
                  std::ptrdiff_t component_stride)
       : size_(size),
@@ -100,7 +99,7 @@ class BasicFieldView {
     require(components >= 1, "components of the field", components, "must be at least 1");
   }
 
-  // A field that is written can be read.
+  // A field that can be written can be read, too.
   BasicFieldView(const BasicFieldView<scalar_type>& other) requires std::is_const_v<Scalar>
       : size_(other.size()),
         components_(other.components()),
@@ -128,8 +127,8 @@ class BasicFieldView {
 };
 
 template <class Scalar>
-using FieldView = BasicFieldView<const Scalar>;  // read
+using FieldView = BasicFieldView<const Scalar>;  // to be read
 template <class Scalar>
-using FieldSpan = BasicFieldView<Scalar>;  // written
+using FieldSpan = BasicFieldView<Scalar>;  // to be written
 
 }  // namespace recon

@@ -30,7 +30,7 @@
 
 namespace recon {
 
-// What stands at one point x: phi_p(x) and its derivatives for the particles p near it.
+// The shape functions at one point x: phi_p(x) and its derivatives for the particles p near it.
 template <class T, int D>
 struct ShapeFunction {
   std::vector<ParticleIndex> neighbours;
@@ -61,9 +61,9 @@ class ShapeEvaluator {
     detail::validate_weight(weights_.weight);
   }
 
-  // Among the given neighbours; position(p) is the Point of particle p. Particles outside the
-  // support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho, x or
-  // kind.
+  // Evaluates the shape functions of the given neighbours; position(p) is the Point of particle p.
+  // Particles outside the support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument
+  // for a bad rho, x or kind.
   template <class Position>
   requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
   const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
@@ -103,7 +103,7 @@ class ShapeEvaluator {
     return shape_;
   }
 
-  // Among all particles that the search finds in the support.
+  // Evaluates the shape functions of all particles that the search finds in the support.
   template <NeighbourSearch S, class Position>
   const ShapeFunction<T, D>& at(const Point& x, T rho, const S& search, Position&& position,
                                 Derivative kind = default_gradient) {
@@ -126,7 +126,7 @@ class ShapeEvaluator {
   }
 
  private:
-  // A weight that is called number by number, as one that is called array by array.
+  // Makes a weight that takes one q per call one that takes an array of them.
   struct Batch {
     W weight;
     void evaluate(const T* q, T* w, T* slope, std::size_t n) const {

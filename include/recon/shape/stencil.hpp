@@ -46,12 +46,12 @@ class Stencil {
       for (auto* array : {&xi_[d], &q_[d], &factor_[d], &slope_[d], &dw_[d]}) array->resize(count);
   }
 
-  // To be filled with x_p - x along axis d, a length: neighbour p of lane l at [p * lanes + l], and
-  // 0 for those that a lane does not have.
+  // The caller fills in x_p - x along axis d, a length: that of neighbour p in lane l at [p * lanes
+  // + l], and 0 for neighbours that a lane does not have.
   Scalar* offsets(int d) { return reinterpret_cast<Scalar*>(xi_[d].data()); }
 
-  // Call it where particles have weights m_p >= 0 of their own, before weigh(); to be filled like
-  // offsets().
+  // The caller fills in the particle weights m_p >= 0, laid out as offsets(). Called only where
+  // particles have weights of their own, and before weigh().
   Scalar* particle_weights() {
     weighs_particles_ = true;
     particle_weight_.resize(count_);
@@ -60,8 +60,7 @@ class Stencil {
 
   // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose
   // weight is not above eps^2 of the largest: those change nothing in working precision.
-  // weights.evaluate(q, w, slope, n) has arrays of T. support_factor as in
-  // NeighbourList.
+  // weights.evaluate(q, w, slope, n) takes arrays of T. support_factor is that of NeighbourList.
   template <class Weights>
   void weigh(const Weights& weights, WeightForm form, bool slopes,
              Scalar support_factor = Scalar(0)) {
@@ -92,15 +91,15 @@ class Stencil {
     return cloud;
   }
 
-  // Where particle p of the cloud stands in the target's row of the neighbour list. Not for packs,
-  // which keep all particles.
+  // The position of particle p of the cloud in the target's row of the neighbour list. Not for
+  // packs, which keep all particles.
   int place(int p) const { return place_[p]; }
-  // How many particles have a weight.
+  // The number of particles with a weight.
   const T& weighted() const { return weighted_; }
 
  private:
-  // w_ and, with slopes, dw_ = d w / d xi. Radial: one factor of q = |xi|; tensor product: one per
-  // axis.
+  // Sets w_ and, with slopes, dw_ = d w / d xi. Radial: one factor of q = |xi|; tensor product: a
+  // factor per axis.
   template <class Weights>
   void evaluate_weights(const Weights& weights, WeightForm form, bool slopes) {
     using std::abs, std::sqrt;
@@ -136,7 +135,8 @@ class Stencil {
     }
   }
 
-  // q, or for particles that a lane does not have 1: no weight is asked for them, and they get 0.
+  // q; but 1 for particles that a lane does not have: they get weight 0 and are never
+  // passed to the weight.
   T within_support(int p, const T& q) const {
     if constexpr (lanes > 1)
       return select(T(p) < present_, q, T(1));
@@ -144,7 +144,8 @@ class Stencil {
       return q;
   }
 
-  // By their ratio to the largest among the particles that count: the product stays in range.
+  // Multiplies by m_p relative to the largest m_p among the particles that count: the product
+  // stays in range.
   void multiply_by_particle_weights(bool slopes) {
     T largest = T(0);
     for (int p = 0; p < count_; ++p)
@@ -157,10 +158,10 @@ class Stencil {
     }
   }
 
-  // -1, 0 or 1.
+  // The sign of a number: -1, 0 or 1.
   static T sign(const T& x) { return select(x > T(0), T(1), select(x < T(0), T(-1), T(0))); }
 
-  // dw_ becomes d w / d x: xi = (x_p - x) / rho gives d xi_d = -(e_d + xi_d grad rho) / rho.
+  // Turns dw_ into d w / d x: xi = (x_p - x) / rho gives d xi_d = -(e_d + xi_d grad rho) / rho.
   void differentiate(WeightForm form, Scalar support_factor) {
     const std::array<T, D> grow = support_gradient(form, support_factor);
     for (int p = 0; p < count_; ++p) {

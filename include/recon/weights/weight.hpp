@@ -39,11 +39,11 @@
 
 namespace recon {
 
-// A weight of your own: any copyable type with these two. It is called with 0 <= q < 1 only, and
-// must return finite numbers, w(q) >= 0: others throw InvalidArgument, with q and w, out of
-// whatever asked for them. It is called concurrently. One with parameters may have a member
-// validate(), which throws InvalidArgument for values that are no good; it is called when the
-// weight is chosen.
+// A weight of your own: any copyable type with these two functions. They are called with 0 <= q < 1
+// only, possibly concurrently, and must return finite numbers, w(q) >= 0; for others
+// InvalidArgument is thrown, with q and w, by the call that asked for the weight. A weight with
+// parameters may have a member validate() that throws InvalidArgument for values that are not
+// allowed; it is called when the weight is chosen.
 template <class W>
 concept RadialWeight = std::copy_constructible<W> && requires(const W& w, double q) {
   { w(q) } -> std::convertible_to<double>;             // q = |x - x_p| / rho, no unit
@@ -70,7 +70,7 @@ constexpr double binomial(int n, int k) {
   return value;
 }
 
-// What evaluates a weight, one q after the other, has these checks of what it returned.
+// Checks what a weight returned; whatever calls a weight for one q after the other uses it.
 template <class Scalar>
 void require_weight(const Scalar& q, const Scalar& w) {
   if (!(w >= Scalar(0)) || !is_finite(w)) [[unlikely]]
@@ -82,7 +82,7 @@ void require_slope(const Scalar& q, const Scalar& slope) {
     throw_invalid("derivative w'(q) of the weight at q = " + to_text(q), slope, "must be finite");
 }
 
-// Asks a weight with parameters whether they are any good.
+// Calls validate() of a weight that has one.
 template <class W>
 void validate_weight(const W& weight) {
   if constexpr (requires { weight.validate(); }) weight.validate();
@@ -116,7 +116,8 @@ struct BSpline {
   }
 
  private:
-  // The alternating sum of powers N of the distances to the knots; q >= 1 gives s <= 0 and so 0.
+  // The alternating sum of the N-th powers of the distances to the knots; q >= 1 gives
+  // s <= 0 and so 0.
   template <int N, class T>
   static constexpr T sum(T s) {
     using std::max;
@@ -188,7 +189,7 @@ struct Gaussian {
   }
 
  private:
-  // Beyond these ends w equals its limits, 1 - q^2 and the spike at q = 0, in all digits.
+  // Beyond these values of c, w equals its limits in all digits: 1 - q^2, and a spike at q = 0.
   RECON_INLINE double steepness() const {
     const double a = 1 / (shape * shape);
     return a < 1e-20 ? 1e-20 : a > 1e20 ? 1e20 : a;
@@ -257,7 +258,7 @@ class WeightFunction {
 
   WeightFunction(Weight weight = Weight::cubic_b_spline);
 
-  // The exclusion comes first: a concept that asked whether a WeightFunction can be copied would
+  // same_as comes first: a concept that asked whether a WeightFunction can be copied would
   // ask for itself.
   template <class W>
   requires(!std::same_as<W, WeightFunction> && RadialWeight<W>) WeightFunction(W weight)
@@ -267,8 +268,8 @@ class WeightFunction {
     evaluate_float_ = &run<W, float>;
   }
 
-  // evaluate() as a plain function, to be called with state(): recon's own weights in the
-  // instructions of the set (a resolved one).
+  // evaluate() as a plain function, to be called with state(). The built-in weights are compiled
+  // for the given instruction set (a resolved one).
   template <class Scalar>
   Function<Scalar> function(InstructionSet set) const;
   const void* state() const { return state_.get(); }
