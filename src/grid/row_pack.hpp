@@ -16,7 +16,8 @@
 namespace recon::RECON_SET {
 namespace {
 
-// Sums stay in registers only if all of this is one function.
+// unroll() rather than loops: sums stay in registers only if everything is inlined
+// into one function.
 using recon::detail::unroll;
 
 template <class Scalar>
@@ -28,7 +29,7 @@ RECON_INLINE void store(const std::type_identity_t<Pack<Scalar>>& value, Scalar*
   value.copy_to(to, std::experimental::vector_aligned);
 }
 
-// Of a fit of degree R.
+// The sizes of a fit of degree R.
 template <class Scalar, int D, int R>
 struct NodeSizes {
   using Powers = Monomials<D, 2 * R>;

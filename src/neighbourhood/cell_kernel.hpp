@@ -52,7 +52,7 @@ struct Gathered {
   std::uint32_t* index;
   std::int64_t count = 0, capacity = 0;
   std::int64_t work = 0, work_limit = INT64_MAX;
-  std::int64_t work_per_found = 0;  // what each particle found adds to the work, or excuses
+  std::int64_t work_per_found = 0;  // added to the work for each particle found; may be negative
 };
 enum class GatherResult { complete, no_room, too_much_work };
 

@@ -20,7 +20,7 @@ class TreeForHardTargets {
         hard_work_(8000 + 100 * static_cast<std::int64_t>(k)),
         price_(work_per_particle * static_cast<std::int64_t>(particles.size())) {}
 
-  // Work for one target that a query of the tree would not exceed by much.
+  // The work for one target that costs about as much as a query of the tree.
   std::int64_t hard_work() const { return hard_work_; }
   bool worthwhile() const { return allowed_ && paid_.load(std::memory_order_relaxed) >= price_; }
   void add(std::int64_t work) {

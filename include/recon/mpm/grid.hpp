@@ -1,7 +1,8 @@
 // The background grid: square cells of edge h that fill a box.
 //
-// A point belongs to the cell whose half-open box holds it; points at or beyond the outer faces
-// belong to the outermost cells, whose linear functions go on there. So a point on an edge, or by
+// A point belongs to the cell whose half-open box holds it. Points at or beyond the outer faces
+// belong to the outermost cells, whose linear functions continue there. So a point on an edge, or
+// outside of the box by rounding, is treated like its neighbours.
 // rounding outside of the box, is like its neighbours.
 #pragma once
 
@@ -37,7 +38,7 @@ class Grid {
 
   double h() const { return h_; }
   int cells(int d) const { return cells_[d]; }
-  std::size_t size() const { return nodes_.size(); }  // nodes
+  std::size_t size() const { return nodes_.size(); }  // number of nodes
   const StructuredGrid<double>& nodes() const { return nodes_; }
   const Vector<D>& lower() const { return lower_; }
   double upper(int d) const { return lower_[d] + cells_[d] * h_; }
@@ -53,7 +54,7 @@ class Grid {
     for (int d = 0; d < D; ++d) x[d] = this->node(static_cast<int>(index[d]), d);
     return x;
   }
-  // Number of the node with these indices.
+  // The number of the node with these indices.
   std::uint32_t number(const std::array<int, D>& index) const {
     std::size_t number = 0;
     for (int d = D - 1; d >= 0; --d)
@@ -61,7 +62,7 @@ class Grid {
     return static_cast<std::uint32_t>(number);
   }
 
-  // In the box, up to a millionth of a cell.
+  // Whether a point lies in the box, up to a millionth of a cell.
   bool contains(const Vector<D>& x) const {
     for (int d = 0; d < D; ++d)
       if (!(x[d] > lower_[d] - 1e-6 * h_ && x[d] < upper(d) + 1e-6 * h_)) return false;

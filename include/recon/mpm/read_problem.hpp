@@ -46,7 +46,7 @@ using AnyProblem = std::variant<ProblemFile<1>, ProblemFile<2>, ProblemFile<3>>;
 AnyProblem read_problem(const std::filesystem::path& path,
                         std::span<const std::string> settings = {});
 
-// The same from the text of a file; `name` stands for the file in messages, and files that the text
+// Reads a problem from the text of a file. Messages call the file `name`, and files that the text
 // names are sought beside it.
 AnyProblem read_problem_text(const std::string& text, const std::filesystem::path& name,
                              std::span<const std::string> settings = {});

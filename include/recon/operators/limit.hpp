@@ -8,8 +8,8 @@
 //            order.
 //   relaxed  v must lie in [a - (b - a), b + (b - a)] and in the range of all the data. That keeps
 //            linear fields up to about a spacing beyond the particles, and smooth extrema but for
-//            the greatest and the least value of all. Overshoots beside a step between two values
-//            that are not those stay.
+//            the greatest and the least value of all. Overshoots beside a step stay, unless the two
+//            values at the step are those.
 // docs/mls_vs_imls.md has the numbers behind the choice.
 //
 // A value outside is replaced by the convex combination (1 - s) v + s m with the weighted mean m

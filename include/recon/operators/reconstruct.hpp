@@ -92,8 +92,8 @@ class BasicReconstruction {
 
  private:
   struct Problem;
-  // Fits the problem's neighbours; a rule lets supports grow, a list of the caller's (null) does
-  // not.
+  // Fits the problem with its neighbours. With a rule supports may grow; null: the list
+  // is the caller's.
   void fit(std::shared_ptr<Problem> problem, const Options& options, const NeighbourRule* rule);
   CsrOperator<Scalar> derivative(bool second, Derivative kind) const;
 
