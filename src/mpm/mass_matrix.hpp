@@ -1,5 +1,5 @@
-// The consistent mass matrix M_ij = sum_p m_p S_ip S_jp: M v = p, M a = f (Andersen, Andersen 2007,
-// eq. 10, 17).
+// The consistent mass matrix M_ij = sum_p m_p S_ip S_jp: M v = p, M a = f (Andersen, Andersen
+// 2007, eq. 10, 17).
 #pragma once
 
 #include <Eigen/SparseCore>

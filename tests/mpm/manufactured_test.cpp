@@ -78,8 +78,8 @@ TEST(Manufactured, VibrationHasTheSourcesBodyForce) {
   }
 }
 
-// Tran et al. 2019, eq. 51 with pi^2 for pi, and the time's factor of one pi: the printed form
-// holds in 1-D.
+// Tran et al. 2019, eq. 51 with pi^2 for pi, and the time's factor of one pi: the printed
+// form holds in 1-D.
 TEST(Manufactured, AxisVibrationHasTheSourcesBodyForce) {
   const auto exact = make_manufactured<1>("axis_vibration", 0.1, steel, density);
   const double c2 = 1e7 / density, lambda = steel.lambda, mu = steel.mu, t = 0.0037, X = 0.21;

@@ -1,7 +1,7 @@
 // Formulas and algorithms of Gong (2015) that have to be corrected, as printed and as it must be.
 //
-// The printed form is written out beside the corrected one: the tests say why recon computes what
-// it computes.
+// The printed form is written out beside the corrected one: the tests say why recon computes
+// what it computes.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>

@@ -10,12 +10,12 @@
 // ```
 //
 // Moving least squares at every node x_i (Gong 2015, eq. 3.6-3.8), with xi = (x_p - x_i) / rho per
-// axis, w_ip = w(xi), m_p >= 0 the weight of a particle (its mass or volume; 1 unless given), and m
-// the monomials:
+// axis, w_ip = w(xi), m_p >= 0 the weight of a particle (its mass or volume; 1 unless given), and
+// m the monomials:
 //     M_i = sum_p m_p w_ip m(xi) m(xi)^T ,  b_i = sum_p m_p w_ip m(xi) u_p ,  M_i a = b_i ;
-// the value is a_0, the gradient a_1 .. a_D divided by rho. Both are sums over particles: they are
-// formed cell by cell of particles, without neighbour lists, and solved as soon as a row of nodes
-// is complete.
+// the value is a_0, the gradient a_1 .. a_D divided by rho. Both are sums over particles: they
+// are formed cell by cell of particles, without neighbour lists, and solved as soon as a row of
+// nodes is complete.
 //
 // The values are, up to rounding, those of reconstruct() with Radius, the same weight and the
 // solver moment_matrix; and as there, a node whose moment matrix is not safe is fitted anew from

@@ -8,12 +8,12 @@
 // write() chooses by the extension. All of them write the whole file or none of it
 // (atomic_file.hpp).
 //
-// CSV. One header line: x, y, z (as many as there are dimensions), then the fields under their own
-// names; a field of several components becomes name_x, name_y, name_z where it has as many
-// components as there are dimensions, else name_0, name_1, ... Numbers have the fewest digits that
-// read back to the same bits, NaN is written as nan. Names are quoted where they hold a delimiter,
-// a quote, a blank at an end, or could be taken for a number or a comment. read_particles() reads
-// the file back.
+// CSV. One header line: x, y, z (as many as there are dimensions), then the fields under their
+// own names; a field of several components becomes name_x, name_y, name_z where it has as many
+// components as there are dimensions, else name_0, name_1, ... Numbers have the fewest digits
+// that read back to the same bits, NaN is written as nan. Names are quoted where they hold a
+// delimiter, a quote, a blank at an end, or could be taken for a number or a comment.
+// read_particles() reads the file back.
 //
 // VTK. Little-endian on any machine, raw binary appended to the XML, 64-bit headers, no
 // compression; cost and size are those of the numbers. Step and time of the FieldSet become field

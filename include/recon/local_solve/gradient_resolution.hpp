@@ -21,8 +21,8 @@
 // extent of 3e-5.
 //
 // The directions are the eigenvectors of S. They are found from the G_j themselves (one-sided
-// Jacobi, Hestenes 1958), so that a thickness of 1e-12 beside an extent of 1 loses no digits to the
-// squares.
+// Jacobi, Hestenes 1958), so that a thickness of 1e-12 beside an extent of 1 loses no digits
+// to the squares.
 #pragma once
 
 #include <algorithm>

@@ -6,9 +6,9 @@
 // orthogonality that everything else relies on. Where all terms are clearly independent this is all
 // there is to do.
 //
-// Where they are not, the degrees are worked through again as whole blocks. Of the block of degree
-// k, less its part in the lower degrees, the singular directions are found. A direction is dropped
-// when
+// Where they are not, the degrees are worked through again as whole blocks. Of the block of
+// degree k, less its part in the lower degrees, the singular directions are found. A direction
+// is dropped when
 //   - its independent part is at most `rank` (or the rounding of the coordinates) times its size:
 //     the particles do not resolve it, as y on a line of particles y = const; or
 //   - the leverage of it, together with the directions of comparable size (singular values within a

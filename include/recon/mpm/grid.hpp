@@ -3,7 +3,6 @@
 // A point belongs to the cell whose half-open box holds it. Points at or beyond the outer faces
 // belong to the outermost cells, whose linear functions continue there. So a point on an edge, or
 // outside of the box by rounding, is treated like its neighbours.
-// rounding outside of the box, is like its neighbours.
 #pragma once
 
 #include <algorithm>

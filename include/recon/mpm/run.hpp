@@ -5,8 +5,8 @@
 //   NAME_*.vtp, ...   frames (frames.hpp)
 //   checkpoint.h5     the state at the last frame (checkpoint.hpp), from which a run goes on
 //
-// A run that fails leaves frames and checkpoint as they were at the last frame, and the ledger up to
-// the step that failed. One that is stopped leaves a checkpoint of the step at which it was.
+// A run that fails leaves frames and checkpoint as they were at the last frame, and the ledger up
+// to the step that failed. One that is stopped leaves a checkpoint of the step at which it was.
 #pragma once
 
 #include <functional>

@@ -15,8 +15,8 @@
 // A value outside is replaced by the convex combination (1 - s) v + s m with the weighted mean m
 // (Shepard's value, degree 0, same weights) that has the smallest s and lies inside. As m lies in
 // [a, b], that is the nearer end of the interval. Values inside are the same bits as without a
-// limit. A linear field is unchanged, to rounding, wherever the target lies in the convex hull of the
-// particles in its support.
+// limit. A linear field is unchanged, to rounding, wherever the target lies in the convex hull of
+// the particles in its support.
 //
 // Limiting is not linear in the data. It is a way to apply a fit, never a part of an operator: the
 // rows of values(), gradients, Hessians and transposes are those of the fit as it stands, and the

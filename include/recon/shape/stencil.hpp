@@ -171,8 +171,8 @@ class Stencil {
     }
   }
 
-  // grad rho for rho = support_factor * distance to the farthest neighbour; 0 for supports that
-  // stand still.
+  // grad rho for rho = support_factor * distance to the farthest neighbour; 0 for supports
+  // that stand still.
   std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) const {
     using std::abs;
     std::array<T, D> gradient{};
