@@ -10,6 +10,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 constexpr std::size_t checked_at_once = 16384;
 constexpr std::uint32_t nowhere = 0xFFFFFFFFu;
 

@@ -18,6 +18,8 @@ namespace {
 
 // unroll() rather than loops: sums stay in registers only if everything is inlined
 // into one function.
+using recon::detail::all_lanes, recon::detail::any_lane, recon::detail::larger,
+    recon::detail::select, recon::detail::smaller;
 using recon::detail::unroll;
 
 template <class Scalar>

@@ -197,7 +197,8 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
                  const Simulation<D>& simulation, std::vector<double>& times,
                  const FrameOptions& options) {
   const Grid<D>& grid = simulation.problem().grid;
-  require(simulation.mapped(), "frame", "of nodes of another time", "needs a map() before");
+  recon::detail::require(simulation.mapped(), "frame", "of nodes of another time",
+                         "needs a map() before");
   const Nodes<D>& nodes = simulation.nodes();
   const Cells<D>& cells = simulation.cells();
   const std::size_t number = times.size();

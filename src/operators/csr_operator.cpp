@@ -13,6 +13,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 constexpr std::size_t rows_per_block = 1024;
 
 // The field as one array in the order of `point_of` (empty: its own), point-major, checked to be

@@ -13,6 +13,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 constexpr std::size_t targets_per_block = 256;
 constexpr std::size_t fewest_sorted = 512;  // below this, everything is in the cache anyway
 

@@ -74,8 +74,8 @@ class Lanes {
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
     MaskOf<T> safe = fit_.fit(cloud);
-    if (any_lane(safe)) safe = safe && fit_.gradient_resolved();
-    if (!any_lane(safe)) return;
+    if (detail::any_lane(safe)) safe = safe && fit_.gradient_resolved();
+    if (!detail::any_lane(safe)) return;
 
     values_.resize(static_cast<std::size_t>(most) * detail::jet_size(D));
     const auto out = ShapeArrays<T, D>::in(values_.data(), most, task_.rows.kind,

@@ -6,6 +6,10 @@
 
 namespace recon {
 
+namespace {
+using detail::require;
+}  // namespace
+
 void Options::validate() const {
   require(degree >= 0 && degree <= 4, "degree", degree, "must be 0 to 4");
   for (const double factor : stretch)

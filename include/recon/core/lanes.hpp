@@ -30,6 +30,8 @@ struct MaskTraits<bool> {
   static constexpr bool all(bool mask) { return mask; }
 };
 
+namespace detail {
+
 template <class Mask>
 constexpr bool any_lane(const Mask& mask) {
   return MaskTraits<Mask>::any(mask);
@@ -73,4 +75,5 @@ constexpr T larger(const T& a, const T& b) {
   return select(a > b, a, b);
 }
 
+}  // namespace detail
 }  // namespace recon

@@ -86,7 +86,7 @@ class ParticleTable {
 
   // The values of one column. column() throws InvalidArgument for an unknown name (with the nearest
   // valid ones), for a name that several columns have, and for a cell that is no finite number.
-  // Cost O(size()). raw_column() does not look at the values.
+  // Cost O(size()). raw_column() does not check values.
   const std::vector<double>& column(std::string_view name) const;
   const std::vector<double>& raw_column(std::string_view name) const;
 

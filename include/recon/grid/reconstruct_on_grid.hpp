@@ -96,8 +96,8 @@ template <class Scalar>
 StructuredGrid<Scalar> cell_centres(StructuredGrid<Scalar> grid) {
   grid.validate();
   for (int d = 0; d < grid.dimension; ++d) {
-    require(grid.counts[d] >= 2, "grid nodes along an axis", grid.counts[d],
-            "must be at least 2 to have cells between them");
+    detail::require(grid.counts[d] >= 2, "grid nodes along an axis", grid.counts[d],
+                    "must be at least 2 to have cells between them");
     --grid.counts[d];
     grid.origin[d] += grid.spacing[d] / 2;
   }

@@ -86,7 +86,7 @@ class GramSchmidt {
     const T limit = T(tolerances_.leverage);
     if (!regular && regular_.independent()) regular = kept().absolute_sum() <= limit;
     if (regular) {
-      report.smallest_pivot = to_float(regular_.smallest_pivot());
+      report.smallest_pivot = detail::to_float(regular_.smallest_pivot());
       detail::report_full<B>(report);
     } else {
       // The limit is on what the whole fit amplifies. Single directions are dropped only where that
@@ -98,7 +98,7 @@ class GramSchmidt {
     }
     T amplification = T(sqrt(weight_sum_ * kept().christoffel()));
     if (amplification > limit) amplification = kept().absolute_sum();
-    report.amplification = to_float(amplification);
+    report.amplification = detail::to_float(amplification);
     const int linear = regular || !detail::is_monomials<B> ? D : report.kept[1] - flat_;
     kept().template resolve_gradient<B>(weight_sum_, tolerances_, linear, report);
     return report;
@@ -189,8 +189,8 @@ class GramSchmidt {
           if ((limited && !inside) || !resolved || kept().rank() >= n) continue;
           if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
           ++report.kept[k];
-          shortest = smaller(size[c], shortest);
-          smallest = smaller(T((size[c] / whole) * (size[c] / whole)), smallest);
+          shortest = detail::smaller(size[c], shortest);
+          smallest = detail::smaller(T((size[c] / whole) * (size[c] / whole)), smallest);
         }
       }
       if (k == 1) {
@@ -198,11 +198,12 @@ class GramSchmidt {
         if constexpr (detail::is_monomials<B>) find_axes(report.kept[1]);
         // In the higher degrees rounding counts relative to the thinnest kept extent of the cloud,
         // and sizes are powers of that extent: only the relative test makes sense.
-        drop = larger(T(T(detail::rounding_margin) * cloud.noise * root_sum / shortest), drop);
+        drop =
+            detail::larger(T(T(detail::rounding_margin) * cloud.noise * root_sum / shortest), drop);
         floor = T(0);
       }
     }
-    report.smallest_pivot = to_float(smallest);
+    report.smallest_pivot = detail::to_float(smallest);
     detail::finish_report<B>(report);
     return within;
   }

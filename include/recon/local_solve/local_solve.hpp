@@ -37,8 +37,8 @@ class LocalSolve {
         moment_matrix_(tolerances),
         gram_schmidt_(tolerances),
         reference_(solver, tolerances) {
-    require(has_references || !is_reference(), "solver", name_of(solver),
-            "must be moment_matrix or gram_schmidt for a scalar that is not built in");
+    detail::require(has_references || !is_reference(), "solver", name_of(solver),
+                    "must be moment_matrix or gram_schmidt for a scalar that is not built in");
   }
 
   FitReport fit(const LocalCloud<T, D>& cloud) {
@@ -48,9 +48,9 @@ class LocalSolve {
         moment_matrix_.gradient_resolved()) {
       report.solver = Solver::moment_matrix;
       report.neighbours = static_cast<std::uint32_t>(cloud.size);
-      report.smallest_pivot = to_float(moment_matrix_.smallest_pivot());
-      report.amplification = to_float(moment_matrix_.amplification());
-      report.gradient_amplification = to_float(moment_matrix_.gradient_amplification());
+      report.smallest_pivot = detail::to_float(moment_matrix_.smallest_pivot());
+      report.amplification = detail::to_float(moment_matrix_.amplification());
+      report.gradient_amplification = detail::to_float(moment_matrix_.gradient_amplification());
       detail::report_full<B>(report);
       return report;
     }

@@ -202,7 +202,7 @@ class MomentMatrix {
     for (int i = 0; i < m; ++i) {
       using std::sqrt;
       safe = safe && lower_[i][i] > T(0);
-      scale_[i] = T(1) / sqrt(select(safe, lower_[i][i], T(1)));
+      scale_[i] = T(1) / sqrt(detail::select(safe, lower_[i][i], T(1)));
     }
     smallest_ = T(1);
     for (int j = 0; j < m; ++j) {
@@ -213,15 +213,15 @@ class MomentMatrix {
         pivot -= lower_[j][k] * row[k];
       }
       safe = safe && pivot > regular;
-      pivot_[j] = select(safe, pivot, T(1));
-      smallest_ = smaller(pivot_[j], smallest_);
+      pivot_[j] = detail::select(safe, pivot, T(1));
+      smallest_ = detail::smaller(pivot_[j], smallest_);
       inverse_[j] = T(1) / pivot_[j];
       for (int i = j + 1; i < m; ++i) {
         T value = lower_[i][j] * scale_[i] * scale_[j];
         for (int k = 0; k < j; ++k) value -= lower_[i][k] * row[k];
-        lower_[i][j] = select(safe, value * inverse_[j], T(0));
+        lower_[i][j] = detail::select(safe, value * inverse_[j], T(0));
       }
-      if (!any_lane(safe)) return safe;
+      if (!detail::any_lane(safe)) return safe;
     }
 
     using std::sqrt;
@@ -230,7 +230,7 @@ class MomentMatrix {
     value_ = solve(unit);
     T christoffel = T(0);
     for (int j = 0; j < m; ++j) christoffel += unit[j] * value_[j];
-    const T amplification2 = select(safe, weight_sum * christoffel, T(0));
+    const T amplification2 = detail::select(safe, weight_sum * christoffel, T(0));
     amplification_ = sqrt(amplification2);
     std::array<T, D> slopes2{};
     if constexpr (B::degree >= 1) {
@@ -243,9 +243,9 @@ class MomentMatrix {
     T total = T(0), largest = T(0);
     for (const T& slope2 : slopes2) {
       total += slope2;
-      largest = larger(slope2, largest);
+      largest = detail::larger(slope2, largest);
     }
-    gradient_amplification_ = sqrt(select(safe, weight_sum * largest, T(0)));
+    gradient_amplification_ = sqrt(detail::select(safe, weight_sum * largest, T(0)));
     gradient_resolved_ =
         weight_sum * total <= T(detail::gradient_limit2<Scalar>(tolerances_, B::degree));
     const auto limit = static_cast<Scalar>(tolerances_.leverage);

@@ -87,7 +87,7 @@ class OrthonormalFit {
         if (resolution_.dropped[d]) remove_from_second_derivatives(components[d]);
       for (int j = 0; j < rank && partial_; ++j) project(jets_[j]);
     }
-    report.gradient_amplification = to_float(T(sqrt(amplification2)));
+    report.gradient_amplification = detail::to_float(T(sqrt(amplification2)));
   }
 
   // Makes room for up to `terms` columns of n entries, and keeps none.
@@ -104,7 +104,8 @@ class OrthonormalFit {
     for (int p = 0; p < n_; ++p) {
       const auto present = cloud.w[p] > T(0);
       root_[p] = sqrt(cloud.w[p]);
-      inverse_root_[p] = select(present, T(1) / select(present, root_[p], T(1)), T(0));
+      inverse_root_[p] =
+          detail::select(present, T(1) / detail::select(present, root_[p], T(1)), T(0));
     }
   }
   const T* root_weights() const { return root_.data(); }

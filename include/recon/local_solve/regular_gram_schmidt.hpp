@@ -62,22 +62,23 @@ class RegularGramSchmidt {
       const T part = square(column, n);
       regular = regular && part > thresholds.clear2 * whole;
       if (B::degree >= 1 && j < B::begin(2)) regular = regular && part > shortest;
-      if (!any_lane(regular)) return regular;
-      smallest_pivot_ =
-          smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), smallest_pivot_);
-      const T scale = T(1) / sqrt(select(regular, part, T(1)));
+      if (!detail::any_lane(regular)) return regular;
+      smallest_pivot_ = detail::smaller(
+          detail::select(regular, part, T(1)) / detail::select(regular, whole, T(1)),
+          smallest_pivot_);
+      const T scale = T(1) / sqrt(detail::select(regular, part, T(1)));
       for (int p = 0; p < n; ++p) column[p] *= scale;
       for (T& coefficient : jet) coefficient *= scale;
       fit_.keep();
     }
     independent_ = regular;
-    amplification_ = sqrt(select(regular, weight_sum_ * fit_.christoffel(), T(0)));
+    amplification_ = sqrt(detail::select(regular, weight_sum_ * fit_.christoffel(), T(0)));
     T total = T(0), largest = T(0);
     for (const T& slope : fit_.slopes2()) {
       total += slope;
-      largest = larger(slope, largest);
+      largest = detail::larger(slope, largest);
     }
-    gradient_amplification_ = sqrt(select(regular, weight_sum_ * largest, T(0)));
+    gradient_amplification_ = sqrt(detail::select(regular, weight_sum_ * largest, T(0)));
     gradient_resolved_ =
         weight_sum_ * total <= T(detail::gradient_limit2<ScalarOf<T>>(tolerances_, B::degree));
     return regular && amplification_ <= T(static_cast<ScalarOf<T>>(tolerances_.leverage));

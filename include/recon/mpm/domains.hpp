@@ -30,8 +30,8 @@ AxisShape average(const Grid<D>& grid, int d, double x, double l) {
   const int last = grid.cell(x + l, d);
   axis.first = grid.cell(x - l, d);
   axis.count = last - axis.first + 2;
-  require(axis.count <= AxisShape::most, "particle domain in cells", 2 * l / h,
-          "must be at most 32 along an axis");
+  recon::detail::require(axis.count <= AxisShape::most, "particle domain in cells", 2 * l / h,
+                         "must be at most 32 along an axis");
   std::fill_n(axis.S.begin(), axis.count, 0.0);
   std::fill_n(axis.G.begin(), axis.count, 0.0);
   for (int c = axis.first; c <= last; ++c) {

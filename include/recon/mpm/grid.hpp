@@ -21,12 +21,14 @@ class Grid {
   Grid() = default;
   // Throws InvalidArgument unless h > 0 and upper - lower is a whole number of cells on each axis.
   Grid(const Vector<D>& lower, const Vector<D>& upper, double h) : lower_(lower), h_(h) {
-    require(h > 0 && std::isfinite(h), "grid spacing", h, "must be positive and finite");
+    recon::detail::require(h > 0 && std::isfinite(h), "grid spacing", h,
+                           "must be positive and finite");
     nodes_.dimension = D;
     for (int d = 0; d < D; ++d) {
       const double cells = (upper[d] - lower[d]) / h;
-      require(cells > 0.5 && cells < 1e9 && std::abs(cells - std::round(cells)) < 1e-6 * cells,
-              "edge of the grid in cells", cells, "must be a whole number of cells, at least one");
+      recon::detail::require(
+          cells > 0.5 && cells < 1e9 && std::abs(cells - std::round(cells)) < 1e-6 * cells,
+          "edge of the grid in cells", cells, "must be a whole number of cells, at least one");
       cells_[d] = static_cast<int>(std::lround(cells));
       nodes_.origin[d] = lower[d];
       nodes_.spacing[d] = h;

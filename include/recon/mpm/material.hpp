@@ -18,16 +18,18 @@ struct Lame {
 
   // Throws InvalidArgument unless young > 0 and -1 < poisson < 0.5.
   static Lame from(double young, double poisson) {
-    require(young > 0 && std::isfinite(young), "young", young, "must be positive and finite");
-    require(poisson > -1 && poisson < 0.5, "poisson", poisson, "must lie between -1 and 0.5");
+    recon::detail::require(young > 0 && std::isfinite(young), "young", young,
+                           "must be positive and finite");
+    recon::detail::require(poisson > -1 && poisson < 0.5, "poisson", poisson,
+                           "must lie between -1 and 0.5");
     return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
   }
   // Throws InvalidArgument unless mu > 0 and 3 lambda + 2 mu > 0 and both are finite, as
   // from() gives them.
   void validate() const {
-    require(mu > 0 && std::isfinite(mu), "mu", mu, "must be positive and finite");
-    require(3 * lambda + 2 * mu > 0 && std::isfinite(lambda), "lambda", lambda,
-            "must be finite and above -2 mu / 3");
+    recon::detail::require(mu > 0 && std::isfinite(mu), "mu", mu, "must be positive and finite");
+    recon::detail::require(3 * lambda + 2 * mu > 0 && std::isfinite(lambda), "lambda", lambda,
+                           "must be finite and above -2 mu / 3");
   }
   double p_wave_speed(double density) const { return std::sqrt((lambda + 2 * mu) / density); }
   // The speed sqrt(E / density) of waves in a thin bar.

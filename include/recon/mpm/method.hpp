@@ -64,8 +64,7 @@ enum class MassMatrix { lumped, consistent };
 //          removed from the strain only in the next step: energy is lost, less with short steps
 //   first  from v_i as it is mapped after the step, at the new place: in each step before the
 //          forces (Andersen, Andersen 2007, section 3.2). Strain and force are then transposes of
-//          each other, and energy oscillates without being lost (Bardenhagen 2002). Costs another
-//          map
+//          each other, and energy oscillates without loss (Bardenhagen 2002). Costs a second map
 enum class StressUpdate { last, first };
 
 // Kinds of these choices that are treated alike.

@@ -321,10 +321,10 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
     const PointCloud<typename S::Scalar>& targets, const NeighbourRule& rule,
     const PeriodicDomain<typename S::Scalar>& domain = {}, const NeighbourOptions& options = {}) {
   using Scalar = typename S::Scalar;
-  require(particles.dimension() == S::dimension, "dimension of the particles",
-          particles.dimension(), "must be the dimension of the search");
-  require(search.size() == particles.size(), "particles in the search", search.size(),
-          "must be as many as in the cloud");
+  detail::require(particles.dimension() == S::dimension, "dimension of the particles",
+                  particles.dimension(), "must be the dimension of the search");
+  detail::require(search.size() == particles.size(), "particles in the search", search.size(),
+                  "must be as many as in the cloud");
   detail::require_valid_question(particles, targets, rule, domain);
 
   struct Block {

@@ -189,8 +189,8 @@ requires(detail::is_scalar<std::ranges::range_value_t<X>> && sizeof...(Rest) >= 
           ...)) auto points_of(X&& x, Rest&&... rest) {
   using Scalar = std::ranges::range_value_t<X>;
   const std::size_t size = std::ranges::size(x);
-  (require(std::ranges::size(rest) == size, "length of a coordinate array", std::ranges::size(rest),
-           "must equal the length of the first coordinate array"),
+  (detail::require(std::ranges::size(rest) == size, "length of a coordinate array",
+                   std::ranges::size(rest), "must equal the length of the first coordinate array"),
    ...);
   return PointsView<Scalar>(size, 1 + static_cast<int>(sizeof...(Rest)),
                             {std::ranges::data(x), std::ranges::data(rest)...},
@@ -203,8 +203,9 @@ requires((Derived::Flags & Eigen::DirectAccessBit) !=
          0) auto points_of(const Eigen::MatrixBase<Derived>& matrix) {
   using Scalar = typename Derived::Scalar;
   const Derived& m = matrix.derived();
-  require(m.cols() >= 1 && m.cols() <= max_dimension, "columns of the coordinate matrix", m.cols(),
-          "must be 1, 2 or 3 with a row per point (pass matrix.transpose() if points are columns)");
+  detail::require(
+      m.cols() >= 1 && m.cols() <= max_dimension, "columns of the coordinate matrix", m.cols(),
+      "must be 1, 2 or 3 with a row per point (pass matrix.transpose() if points are columns)");
   return detail::strided_points<Scalar>(
       static_cast<std::size_t>(m.rows()), static_cast<int>(m.cols()), m.data(),
       m.colStride() * static_cast<std::ptrdiff_t>(sizeof(Scalar)),
@@ -219,11 +220,12 @@ template <detail::StableArray Range>
 requires detail::is_scalar<std::ranges::range_value_t<Range>>
 auto points_of_flat(Range&& numbers, int dimension) {
   using Scalar = std::ranges::range_value_t<Range>;
-  require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension,
-          "must be 1, 2 or 3");
+  detail::require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension,
+                  "must be 1, 2 or 3");
   const std::size_t count = std::ranges::size(numbers);
-  require(count % static_cast<std::size_t>(dimension) == 0, "length of the flat coordinate array",
-          count, "must be a multiple of the dimension");
+  detail::require(count % static_cast<std::size_t>(dimension) == 0,
+                  "length of the flat coordinate array", count,
+                  "must be a multiple of the dimension");
   return detail::strided_points<Scalar>(count / static_cast<std::size_t>(dimension), dimension,
                                         std::ranges::data(numbers), sizeof(Scalar),
                                         dimension * static_cast<std::ptrdiff_t>(sizeof(Scalar)));
@@ -305,10 +307,11 @@ template <detail::StableArray Range>
 requires detail::is_scalar<std::ranges::range_value_t<Range>>
 auto field_of_flat(Range&& numbers, int components) {
   using Number = std::remove_reference_t<std::ranges::range_reference_t<Range>>;
-  require(components >= 1, "components", components, "must be at least 1");
+  detail::require(components >= 1, "components", components, "must be at least 1");
   const std::size_t count = std::ranges::size(numbers);
-  require(count % static_cast<std::size_t>(components) == 0, "length of the flat field array",
-          count, "must be a multiple of the number of components");
+  detail::require(count % static_cast<std::size_t>(components) == 0,
+                  "length of the flat field array", count,
+                  "must be a multiple of the number of components");
   constexpr auto bytes = static_cast<std::ptrdiff_t>(sizeof(Number));
   return detail::strided_field<Number>(count / static_cast<std::size_t>(components), components,
                                        std::ranges::data(numbers), components * bytes, bytes);

@@ -36,8 +36,8 @@ class PointsView {
   PointsView(std::size_t size, int dimension, std::array<const void*, max_dimension> base,
              std::array<std::ptrdiff_t, max_dimension> stride)
       : size_(size), dimension_(dimension), stride_(stride) {
-    require(dimension >= 1 && dimension <= max_dimension, "dimension of the points", dimension,
-            "must be 1, 2 or 3");
+    detail::require(dimension >= 1 && dimension <= max_dimension, "dimension of the points",
+                    dimension, "must be 1, 2 or 3");
     for (int d = 0; d < max_dimension; ++d) base_[d] = static_cast<const std::byte*>(base[d]);
   }
 
@@ -96,7 +96,7 @@ class BasicFieldView {
         base_(static_cast<Byte*>(base)),
         point_stride_(point_stride),
         component_stride_(component_stride) {
-    require(components >= 1, "components of the field", components, "must be at least 1");
+    detail::require(components >= 1, "components of the field", components, "must be at least 1");
   }
 
   // A field that can be written can be read, too.

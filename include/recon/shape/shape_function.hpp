@@ -68,12 +68,14 @@ class ShapeEvaluator {
   requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
   const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
                                 Position&& position, Derivative kind = default_gradient) {
-    require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
-            "must be diffuse for a basis that is not translation_invariant");
-    require(rho > T(0) && is_finite(rho), "rho", rho, "must be positive and finite");
-    require(rho * rho >= std::numeric_limits<T>::min(), "rho", rho,
-            "must not be so small that its square underflows");
-    for (const T& c : x) require(is_finite(c), "coordinate of x", c, "must be finite");
+    detail::require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
+                    "must be diffuse for a basis that is not translation_invariant");
+    detail::require(rho > T(0) && detail::is_finite(rho), "rho", rho,
+                    "must be positive and finite");
+    detail::require(rho * rho >= std::numeric_limits<T>::min(), "rho", rho,
+                    "must not be so small that its square underflows");
+    for (const T& c : x)
+      detail::require(detail::is_finite(c), "coordinate of x", c, "must be finite");
     const int count = static_cast<int>(neighbours.size());
     stencil_.start(x, rho, count);
     positions_.clear();

@@ -38,7 +38,7 @@ class Stencil {
     present_ = present;
     rho_ = rho;
     T size = T(0);
-    for (int d = 0; d < D; ++d) size = larger(T(abs(x[d])), size);
+    for (int d = 0; d < D; ++d) size = detail::larger(T(abs(x[d])), size);
     noise_ = T(std::numeric_limits<Scalar>::epsilon()) * (size + rho) / rho;
     w_.resize(count);
     weighs_particles_ = false;
@@ -112,8 +112,8 @@ class Stencil {
       weights.evaluate(q_[0].data(), w_.data(), slopes ? slope_[0].data() : nullptr, count_);
       for (int p = 0; slopes && p < count_; ++p) {
         const auto apart = q_[0][p] > T(0);
-        const T along = slope_[0][p] / select(apart, q_[0][p], T(1));
-        for (int d = 0; d < D; ++d) dw_[d][p] = select(apart, T(along * xi_[d][p]), T(0));
+        const T along = slope_[0][p] / detail::select(apart, q_[0][p], T(1));
+        for (int d = 0; d < D; ++d) dw_[d][p] = detail::select(apart, T(along * xi_[d][p]), T(0));
       }
     } else {
       for (int d = 0; d < D; ++d) {
@@ -139,7 +139,7 @@ class Stencil {
   // passed to the weight.
   T within_support(int p, const T& q) const {
     if constexpr (lanes > 1)
-      return select(T(p) < present_, q, T(1));
+      return detail::select(T(p) < present_, q, T(1));
     else
       return q;
   }
@@ -149,17 +149,19 @@ class Stencil {
   void multiply_by_particle_weights(bool slopes) {
     T largest = T(0);
     for (int p = 0; p < count_; ++p)
-      largest = larger(select(w_[p] > T(0), particle_weight_[p], T(0)), largest);
-    const T inverse = T(1) / select(largest > T(0), largest, T(1));
+      largest = detail::larger(detail::select(w_[p] > T(0), particle_weight_[p], T(0)), largest);
+    const T inverse = T(1) / detail::select(largest > T(0), largest, T(1));
     for (int p = 0; p < count_; ++p) {
-      const T ratio = select(w_[p] > T(0), T(particle_weight_[p] * inverse), T(0));
+      const T ratio = detail::select(w_[p] > T(0), T(particle_weight_[p] * inverse), T(0));
       w_[p] *= ratio;
       for (int d = 0; slopes && d < D; ++d) dw_[d][p] *= ratio;
     }
   }
 
   // The sign of a number: -1, 0 or 1.
-  static T sign(const T& x) { return select(x > T(0), T(1), select(x < T(0), T(-1), T(0))); }
+  static T sign(const T& x) {
+    return detail::select(x > T(0), T(1), detail::select(x < T(0), T(-1), T(0)));
+  }
 
   // Turns dw_ into d w / d x: xi = (x_p - x) / rho gives d xi_d = -(e_d + xi_d grad rho) / rho.
   void differentiate(WeightForm form, Scalar support_factor) {
@@ -183,43 +185,44 @@ class Stencil {
       for (int d = 0; d < (form == WeightForm::radial ? 1 : D); ++d) {
         auto farther = q_[d][p] > distance;
         if constexpr (lanes > 1) farther = farther && T(p) < present_;
-        if (!any_lane(farther)) continue;
-        distance = select(farther, q_[d][p], distance);
+        if (!detail::any_lane(farther)) continue;
+        distance = detail::select(farther, q_[d][p], distance);
         for (int e = 0; e < D; ++e) {
           const T direction = form == WeightForm::radial
-                                  ? T(xi_[e][p] / select(farther, q_[d][p], T(1)))
+                                  ? T(xi_[e][p] / detail::select(farther, q_[d][p], T(1)))
                               : e == d ? sign(xi_[e][p])
                                        : T(0);
-          gradient[e] = select(farther, T(-factor * direction), gradient[e]);
+          gradient[e] = detail::select(farther, T(-factor * direction), gradient[e]);
         }
       }
     // All neighbours on the target: the support was chosen in another way and stands still.
-    const auto moves = distance > T(0) && T(abs(distance * factor - T(1))) <= constant<T>(1e-3);
-    for (T& g : gradient) g = select(moves, g, T(0));
+    const auto moves =
+        distance > T(0) && T(abs(distance * factor - T(1))) <= detail::constant<T>(1e-3);
+    for (T& g : gradient) g = detail::select(moves, g, T(0));
     return gradient;
   }
 
   void compact(bool slopes) {
     T largest = T(0);
-    for (int p = 0; p < count_; ++p) largest = larger(w_[p], largest);
+    for (int p = 0; p < count_; ++p) largest = detail::larger(w_[p], largest);
     auto usable = largest >= T(std::numeric_limits<Scalar>::min());
     if constexpr (lanes == 1) {
-      require(is_finite(largest), "largest product of weights at a target", largest,
-              "must be finite");
+      detail::require(detail::is_finite(largest), "largest product of weights at a target", largest,
+                      "must be finite");
     } else {
       usable = usable && largest <= T(std::numeric_limits<Scalar>::max());
     }
-    const T inverse = T(1) / select(usable, largest, T(1));
+    const T inverse = T(1) / detail::select(usable, largest, T(1));
     const T least = largest * T(std::numeric_limits<Scalar>::epsilon() *
                                 std::numeric_limits<Scalar>::epsilon());
     weighted_ = T(0);
     if constexpr (lanes > 1) {
       for (int p = 0; p < count_; ++p) {
         const auto keep = usable && w_[p] > least;
-        w_[p] = select(keep, T(w_[p] * inverse), T(0));
-        weighted_ += select(keep, T(1), T(0));
+        w_[p] = detail::select(keep, T(w_[p] * inverse), T(0));
+        weighted_ += detail::select(keep, T(1), T(0));
         for (int d = 0; slopes && d < D; ++d)
-          dw_[d][p] = select(keep, T(dw_[d][p] * inverse), T(0));
+          dw_[d][p] = detail::select(keep, T(dw_[d][p] * inverse), T(0));
       }
     } else {
       place_.clear();

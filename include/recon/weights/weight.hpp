@@ -107,12 +107,13 @@ struct BSpline {
 
   template <class T>
   constexpr T operator()(T q) const {
-    return sum<P>((T(1) - q) * constant<T>((P + 1) / 2.0)) * constant<T>(1 / detail::factorial<P>);
+    return sum<P>((T(1) - q) * detail::constant<T>((P + 1) / 2.0)) *
+           detail::constant<T>(1 / detail::factorial<P>);
   }
   template <class T>
   constexpr T derivative(T q) const {
-    return sum<P - 1>((T(1) - q) * constant<T>((P + 1) / 2.0)) *
-           constant<T>(-(P + 1) / 2.0 / detail::factorial<P - 1>);
+    return sum<P - 1>((T(1) - q) * detail::constant<T>((P + 1) / 2.0)) *
+           detail::constant<T>(-(P + 1) / 2.0 / detail::factorial<P - 1>);
   }
 
  private:
@@ -123,9 +124,9 @@ struct BSpline {
     using std::max;
     T total = T(0);
     for (int k = 0; 2 * k < P + 1; ++k) {
-      const T coefficient = constant<T>((k % 2 ? -1 : 1) * detail::binomial(P + 1, k));
+      const T coefficient = detail::constant<T>((k % 2 ? -1 : 1) * detail::binomial(P + 1, k));
       if constexpr (N == 0) {
-        total = select(s - T(k) > T(0), T(total + coefficient), total);
+        total = detail::select(s - T(k) > T(0), T(total + coefficient), total);
       } else {
         total = total + coefficient * detail::power<N>(T(max(T(s - T(k)), T(0))));
       }
@@ -145,7 +146,7 @@ struct Wendland {
     if constexpr (K == 0) return r * r;
     if constexpr (K == 2) return detail::power<4>(r) * (T(4) * q + T(1));
     if constexpr (K == 4)
-      return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * constant<T>(1.0 / 3);
+      return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * detail::constant<T>(1.0 / 3);
     if constexpr (K == 6)
       return detail::power<8>(r) * (((T(32) * q + T(25)) * q + T(8)) * q + T(1));
   }
@@ -156,7 +157,7 @@ struct Wendland {
     if constexpr (K == 0) return T(-2) * r;
     if constexpr (K == 2) return T(-20) * q * detail::power<3>(r);
     if constexpr (K == 4)
-      return constant<T>(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
+      return detail::constant<T>(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
     if constexpr (K == 6) return T(-22) * q * ((T(16) * q + T(7)) * q + T(1)) * detail::power<7>(r);
   }
 };
@@ -171,21 +172,22 @@ struct Gaussian {
     using std::exp, std::expm1;
     const double a = steepness();
     const T rest = (T(1) - q) * (T(1) + q);
-    return select(q < T(1),
-                  T(exp(T(q * q * constant<T>(-a))) * expm1(T(rest * constant<T>(-a))) *
-                    constant<T>(1 / std::expm1(-a))),
-                  T(0));
+    return detail::select(
+        q < T(1),
+        T(exp(T(q * q * detail::constant<T>(-a))) * expm1(T(rest * detail::constant<T>(-a))) *
+          detail::constant<T>(1 / std::expm1(-a))),
+        T(0));
   }
   template <class T>
   T derivative(T q) const {
     using std::exp;
     const double a = steepness();
-    const T slope = q * constant<T>(2 * a / std::expm1(-a));
-    return select(q < T(1), T(slope * exp(T(q * q * constant<T>(-a)))), T(0));
+    const T slope = q * detail::constant<T>(2 * a / std::expm1(-a));
+    return detail::select(q < T(1), T(slope * exp(T(q * q * detail::constant<T>(-a)))), T(0));
   }
   void validate() const {
-    require(std::isfinite(shape) && shape > 0, "shape of the weight Gaussian", shape,
-            "must be positive and finite: its width as a fraction of the support");
+    detail::require(std::isfinite(shape) && shape > 0, "shape of the weight Gaussian", shape,
+                    "must be positive and finite: its width as a fraction of the support");
   }
 
  private:
@@ -204,20 +206,20 @@ struct InverseDistance {
   constexpr T operator()(T q) const {
     using std::max;
     const T r = max(T(T(1) - q), T(0));
-    return r * r / (q * q + constant<T>(softening * softening));
+    return r * r / (q * q + detail::constant<T>(softening * softening));
   }
   template <class T>
   constexpr T derivative(T q) const {
     using std::max;
     const T r = max(T(T(1) - q), T(0));
-    const T d = q * q + constant<T>(softening * softening);
+    const T d = q * q + detail::constant<T>(softening * softening);
     return (T(-2) * r * d - T(2) * q * r * r) / (d * d);
   }
   void validate() const {
-    require(std::isfinite(softening) && softening > 0, "softening of the weight InverseDistance",
-            softening,
-            "must be positive and finite: the distance, as a fraction of the support, "
-            "within which the weight stays level");
+    detail::require(std::isfinite(softening) && softening > 0,
+                    "softening of the weight InverseDistance", softening,
+                    "must be positive and finite: the distance, as a fraction of the support, "
+                    "within which the weight stays level");
   }
 };
 
