@@ -68,7 +68,7 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
   }
 
  private:
-  // sum[k] = sum_s w[s] q[s][k], k < Q.
+  // Sets sum[k] = sum_s w[s] q[s][k] for k < Q.
   template <int Q>
   RECON_INLINE static void product(const Scalar* q, int stride, const Scalar* w, int slots,
                                    T* sum) {

@@ -19,7 +19,7 @@ int default_threads();
 
 namespace detail {
 
-// body(context, begin, end) for each block; `threads` <= 0 means default_threads().
+// Calls body(context, begin, end) for each block; `threads` <= 0 means default_threads().
 void parallel_blocks(std::size_t count, std::size_t block, int threads, void* context,
                      void (*body)(void* context, std::size_t begin, std::size_t end));
 

@@ -154,7 +154,7 @@ class ParticleTable {
   // The line of the source at which each row stands; empty where rows have no lines.
   void set_lines(std::vector<std::size_t> lines);
 
-  // "row 17 (id 42, line 27)", rows counted from 0: for messages about a particle.
+  // How messages call a particle: "row 17 (id 42, line 27)", with rows counted from 0.
   std::string describe_row(std::size_t row) const;
 
  private:

@@ -32,7 +32,7 @@ struct GridOptions {
   // Whether to compute also the gradient of the local polynomial (the diffuse one). It is zero at
   // degree 0 and in directions that the particles do not resolve (FitReport::gradient_rank).
   bool gradients = false;
-  // Keeps each value in or near the range of the data of the particles in its support that have m_p
+  // Keeps each value in or near the range of the data in its support, those of particles with m_p
   // > 0 (operators/limit.hpp). Gradients are never limited. GridMoments refuse a limit, because
   // they keep no data.
   Limit limit = Limit::none;

@@ -39,10 +39,10 @@ struct GradientResolution {
   std::array<std::array<T, D>, D> projector{};  // onto those directions
   std::array<bool, D> dropped{};                // which rows of `slope` are not resolved
 
-  // slope[d] has `count` numbers, component d of each G_j. They are overwritten by the components n
-  // . G_j along the directions n, which are orthogonal to each other. Of the D directions only
-  // `linear` have a slope at all: those along which linear terms were kept. Directions whose a(n)^2
-  // exceeds `limit2` are dropped.
+  // slope[d] has `count` numbers, component d of each G_j. They are overwritten by the components
+  // of G_j along the directions found, which are orthogonal to each other. Of the D directions only
+  // `linear` have a slope at all: those along which linear terms were kept. Directions n whose
+  // a(n)^2 exceeds `limit2` are dropped.
   static GradientResolution of(const std::array<T*, D>& slope, int count, const T& weight_sum,
                                int linear, const T& limit2) {
     using std::abs, std::sqrt;

@@ -49,8 +49,9 @@ struct FitTolerances {
   double rank = 1e-10;     // drop a direction whose independent part is below this fraction of it
   double leverage = 30.0;  // drop a direction whose value at the target exceeds this times its size
                            // at the particles
-  double gradient_extent = 1e-3;  // no slope across particles that extend less than this many
-                                  // support radii (gradient_resolution.hpp); 0: any slope
+  // No slope across particles that extend less than this many support radii; 0: any slope
+  // (gradient_resolution.hpp).
+  double gradient_extent = 1e-3;
 };
 
 // Which derivatives of the shape functions to form.

@@ -29,7 +29,7 @@ class LocalSolve {
                 "recon: the degree of the basis exceeds FitReport::max_degree");
   static_assert(std::numeric_limits<T>::is_specialized,
                 "recon: a scalar of your own needs std::numeric_limits");
-  // Those of Eigen ask more of T.
+  // The reference solvers, which are Eigen's, ask more of T than the others.
   static constexpr bool has_references = std::is_floating_point_v<T>;
 
   explicit LocalSolve(Solver solver, FitTolerances tolerances = {})

@@ -44,7 +44,7 @@ class OrthonormalFit {
     return sum;
   }
 
-  // sum_p |phi_p|, which sqrt(sum w * christoffel()) bounds.
+  // The sum of |phi_p| over the particles, which sqrt(sum w * christoffel()) bounds.
   T absolute_sum() {
     using std::abs;
     combine(lambda_.data(), [&](int j) { return jets_[j][0]; });
@@ -241,7 +241,7 @@ class OrthonormalFit {
     if (count - first == 1) body(first, std::integral_constant<int, 1>{});
   }
 
-  // result_p = sum_j coefficient(j) u_j(p)
+  // Forms result_p = sum_j coefficient(j) u_j(p).
   template <class Coefficient>
   void combine(T* result, Coefficient coefficient) const {
     for (int p = 0; p < n_; ++p) result[p] = T(0);

@@ -178,7 +178,7 @@ class TargetNeighbours {
     return !options_.visible || options_.visible(target_, particle);
   }
 
-  // |x - x_p| <= rho on every axis.
+  // Whether |x - x_p| <= rho on every axis.
   bool in_cube(const Point& x, ParticleIndex particle, Scalar rho) const {
     for (int d = 0; d < D; ++d)
       if (std::abs(x[d] - particles_(particle, d)) > rho) return false;
@@ -266,7 +266,7 @@ class TargetNeighbours {
     return a.index != b.index ? a.index < b.index : a.shift < b.shift;
   }
 
-  // entries_ as a heap of the k nearest so far, the farthest in front.
+  // Keeps entries_ as a heap of the k nearest so far, the farthest in front.
   void keep(const Entry& entry, std::size_t k) {
     if (entries_.size() == k) {
       if (!before(entry, entries_.front())) return;

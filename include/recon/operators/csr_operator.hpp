@@ -72,7 +72,8 @@ class CsrOperator {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-  // What one target's value is made of. Refers to the operator, which must live as long.
+  // The entries that one target's value is made of. Refers to the operator, which
+  // must live as long.
   class Row {
    public:
     std::size_t size() const { return static_cast<std::size_t>(end_ - begin_); }

@@ -51,7 +51,8 @@ PointList<Scalar, D> regular_points(std::size_t n) {
   return points;
 }
 
-// regular_points, each moved by up to `amount` cells along each axis (0.5: anywhere in its cell).
+// The regular_points, each moved by up to `amount` cells along each axis (0.5:
+// anywhere in its cell).
 template <class Scalar, int D>
 PointList<Scalar, D> jittered_points(std::size_t n, double amount, std::uint64_t seed) {
   RandomNumbers random(seed);
@@ -62,7 +63,7 @@ PointList<Scalar, D> jittered_points(std::size_t n, double amount, std::uint64_t
   return points;
 }
 
-// Independent and uniform in the unit cube.
+// Random points, independent and uniform in the unit cube.
 template <class Scalar, int D>
 PointList<Scalar, D> random_points(std::size_t count, std::uint64_t seed) {
   RandomNumbers random(seed);

@@ -173,7 +173,7 @@ class Stencil {
     }
   }
 
-  // grad rho for rho = support_factor * distance to the farthest neighbour; 0 for supports
+  // The gradient of rho = support_factor * distance to the farthest neighbour; 0 for supports
   // that stand still.
   std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) const {
     using std::abs;
@@ -195,7 +195,8 @@ class Stencil {
           gradient[e] = detail::select(farther, T(-factor * direction), gradient[e]);
         }
       }
-    // All neighbours on the target: the support was chosen in another way and stands still.
+    // Where all neighbours coincide with the target, the support was chosen in another way
+    // and stands still.
     const auto moves =
         distance > T(0) && T(abs(distance * factor - T(1))) <= detail::constant<T>(1e-3);
     for (T& g : gradient) g = detail::select(moves, g, T(0));
