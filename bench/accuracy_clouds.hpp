@@ -2,8 +2,8 @@
 //
 // The field is smooth, of size 1, with gradients up to pi:
 //     u(x) = prod_d sin(pi x_d + (d + 1) / 2)
-// so that an error of 1e-3 is a thousandth of the field, and a spacing h has pi h radians per
-// particle.
+// so that an error of 1e-3 is a thousandth of the field, and a spacing h has pi h
+// radians per particle.
 #pragma once
 
 #include <array>

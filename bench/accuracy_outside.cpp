@@ -68,8 +68,8 @@ Data<3> chute() {
   return data;
 }
 
-// The nodes of a grid over the box of the points, `spacing` apart, that lie within it: a node beyond
-// the last particle of all can only be extrapolated to.
+// The nodes of a grid over the box of the points, `spacing` apart, that lie within it: a node
+// beyond the last particle of all can only be extrapolated to.
 template <int D>
 recon::PointList<double, D> nodes_over(const Data<D>& data, double spacing) {
   const auto box = recon::bounding_box(recon::points_of(data.points), "points");
@@ -112,8 +112,9 @@ double box_spacing(const Data<D>& data) {
 
 constexpr double max_distance = 2;  // as the program has it
 
-// Of the values at targets whose status is `full`: how many leave the range of the data by more than
-// 2 % of it, and by how many ranges the worst does. How many values each limit changes, of all.
+// Of the values at targets whose status is `full`: how many leave the range of the data by
+// more than 2 % of it, and by how many ranges the worst does. How many values each limit
+// changes, of all.
 struct Outside {
   double values = 0, full = 0, beyond = 0, farthest = 0, by_range = 0, by_relaxed = 0;
 };
@@ -182,7 +183,7 @@ void add_outside(Table& table, const Data<D>& data) {
       }
 }
 
-// ---- What limits cost where data are dense ----------------------------------------------------------
+// ---- What limits cost where data are dense ------------------------------------------------------
 
 // Smooth, with its greatest value 1 in the middle of the cube.
 template <int D>
@@ -192,8 +193,8 @@ double hill(const std::array<double, D>& x) {
   return u;
 }
 
-// Targets: well inside; about the extremum; in the outermost half spacing of the cloud; in the first
-// half spacing beyond.
+// Targets: well inside; about the extremum; in the outermost half spacing of the cloud; in the
+// first half spacing beyond.
 template <int D>
 recon::PointList<double, D> targets_at(const std::string& place, double spacing) {
   auto targets = inner_targets<D>(2000, 9);
@@ -209,8 +210,8 @@ recon::PointList<double, D> targets_at(const std::string& place, double spacing)
   return targets;
 }
 
-// Brings a value back into the range of its data widened by `width` times itself, and into the range
-// of all data.
+// Brings a value back into the range of its data widened by `width` times itself, and into the
+// range of all data.
 double limited(double value, const recon::CsrOperator<double>::Row& row,
                const std::vector<double>& u, double width) {
   double least = HUGE_VAL, greatest = -HUGE_VAL;

@@ -81,8 +81,8 @@ class Workload {
   recon::PointsView<double> targets() const { return recon::points_of(setting_.targets); }
   double micro() const { return 1e6 / static_cast<double>(setting_.targets.size()); }
 
-  // Shape functions of all nodes by `solve`, compared with those of reconstruct() before they are
-  // timed.
+  // Shape functions of all nodes by `solve`, compared with those of reconstruct() before
+  // they are timed.
   template <class Solve>
   double timed(Solve&& solve) {
     const auto all = [&] {

@@ -55,9 +55,9 @@ double compare_neighbours(const recon::NeighbourList<Scalar>& ours,
   return worst;
 }
 
-// Values at targets whose fit has the full degree. The tolerance is rounding times the condition of
-// the moment matrix (1 / smallest_pivot bounds it from below, hence the factor) times the
-// amplification.
+// Values at targets whose fit has the full degree. The tolerance is rounding times the
+// condition of the moment matrix (1 / smallest_pivot bounds it from below, hence the factor)
+// times the amplification.
 template <class Scalar, class Ours, class Theirs>
 double compare_values(const Ours& ours, const Theirs& theirs, const recon::FitReports& reports,
                       int terms) {

@@ -2,8 +2,7 @@
 //
 //   search     nanoflann's k-d tree over an own array of points, one call per target
 //   construct  the basis in offsets scaled by the support radius, cubic B-spline weight, moment
-//   matrix
-//              by rank-1 updates, fixed-size LDLT of Eigen, coefficients stored
+//              matrix by rank-1 updates, fixed-size LDLT of Eigen, coefficients stored
 //   apply      a dot product per target
 //
 // Parallel loops of OpenMP; support radius 1.5 times the k-th distance, as recon's Nearest has it,

@@ -1,5 +1,5 @@
-// What the speed cases share: the context, the stopwatch, the aims, the checks, and the machine's
-// limits.
+// What the speed cases share: the context, the stopwatch, the aims, the checks, and the
+// machine's limits.
 #pragma once
 
 #include <cstddef>

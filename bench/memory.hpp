@@ -1,5 +1,5 @@
-// Bytes of heap: a counting operator new (memory.cpp replaces the global one for the whole
-// program).
+// Bytes of heap: a counting operator new (memory.cpp replaces the global one for the
+// whole program).
 #pragma once
 
 #include <cstddef>

@@ -91,7 +91,7 @@ need_peers() {
 }
 
 need_ci() {
-  need_package clang libomp-dev libclang-rt-14-dev clang-format  # Debian 12's clang is 14
+  need_package clang libomp-dev libclang-rt-14-dev clang-format-14  # Debian 12's clang is 14
   need_command git git
 }
 

@@ -1,14 +1,21 @@
-// recon: scattered particle data become fields. The run-time interface, and all that most programs
-// need.
+// recon: scattered particle data become fields. This header is all that most programs need.
 //
-//   views of your data   points_of, field_of        (points/make_view.hpp)
-//   the reconstruction   reconstruct, Options       (operators/reconstruct.hpp, shape/options.hpp)
-//   what became of it    FitReport, FitReports      (local_solve/report.hpp,
-//   operators/fit_summary.hpp) grids of targets     StructuredGrid (points/structured_grid.hpp)
-//   nodes of a grid      reconstruct_on_grid (grid/reconstruct_on_grid.hpp), without neighbour
-//   lists
+// ```cpp
+//   const auto points = recon::points_of(grains, &Grain::position);  // a view, no copy
+//   const recon::Reconstruction fit = recon::reconstruct(points, recon::points_of(nodes),
+//                                                        {.neighbours = recon::Radius{2 * h}});
+//   Eigen::MatrixXd v = fit.apply(recon::field_of(grains, &Grain::velocity));  // a row per node
+// ```
 //
-// Asked for separately: grid/grid_moments.hpp, points/boost_geometry.hpp, operators/sparse.hpp, the
+//   views of your data   points_of, field_of      points/make_view.hpp
+//   what to choose       Options                  shape/options.hpp
+//   the reconstruction   reconstruct              operators/reconstruct.hpp
+//   what became of it    FitReport, FitReports    local_solve/report.hpp, operators/fit_summary.hpp
+//   grids of targets     StructuredGrid           points/structured_grid.hpp
+//   nodes of a grid      reconstruct_on_grid      grid/reconstruct_on_grid.hpp, without neighbour
+//                                                 lists
+//
+// Included separately: grid/grid_moments.hpp, points/boost_geometry.hpp, operators/sparse.hpp, the
 // searches (neighbourhood/kd_tree.hpp, ...), and the templates for a weight, basis, search or
 // scalar of your own (shape/shape_function.hpp).
 #pragma once

@@ -21,7 +21,8 @@ void CountingSort::sort(std::size_t key_count, int threads) {
   const std::size_t chunk = std::max(least_chunk, (n + most_chunks - 1) / most_chunks);
   const std::size_t chunks = std::max<std::size_t>(1, (n + chunk - 1) / chunk);
 
-  // next_[c * buckets + b]: how many numbers of chunk c go to bucket b, then where the next one goes.
+  // next_[c * buckets + b]: how many numbers of chunk c go to bucket b, then where the next one
+  // goes.
   next_.assign(chunks * buckets, 0u);
   recon::parallel_blocks(n, chunk, threads, [&](std::size_t begin, std::size_t end) {
     std::uint32_t* const count = next_.data() + begin / chunk * buckets;

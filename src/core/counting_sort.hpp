@@ -1,9 +1,9 @@
 // The one counting sort: numbers 0, 1, ... in the order of small keys, in parallel.
 //
-// Two passes: first into buckets of consecutive keys that fit the cache, then each bucket by itself. So no
-// pass writes to more than about a thousand places at a time, however many numbers there are. Blocks depend
-// on the number of keys and numbers alone: the result does not depend on the number of threads. Cost
-// O(numbers + keys). The memory is kept from one sort to the next.
+// Two passes: first into buckets of consecutive keys that fit the cache, then each bucket by
+// itself. So no pass writes to more than about a thousand places at a time, however many numbers
+// there are. Blocks depend on the number of keys and numbers alone: the result does not depend on
+// the number of threads. Cost O(numbers + keys). The memory is kept from one sort to the next.
 #pragma once
 
 #include <cstdint>

@@ -3,9 +3,9 @@
 // Files named *.simd.cpp are compiled once per set (cmake/ReconTargets.cmake), with RECON_SET being
 // the name of the set. What they define stands in the namespace recon::RECON_SET:
 //
-//   // sum.hpp                                        // sum.simd.cpp
-//   RECON_FOR_EACH_SET(float sum(const float*, int))  namespace recon::RECON_SET { float sum(...)
-//   {...} } RECON_DISPATCH(set, sum)(x, n);                   // set: resolved(InstructionSet)
+//   sum.hpp        RECON_FOR_EACH_SET(float sum(const float*, int))
+//   sum.simd.cpp   namespace recon::RECON_SET { float sum(const float* x, int n) { ... } }
+//   a caller       RECON_DISPATCH(set, sum)(x, n)    with set = resolved(InstructionSet)
 //
 // A template or inline function of ordinary types that such a file instantiates is a danger: the
 // linker keeps one copy for the whole program, perhaps the one with instructions that the processor

@@ -10,6 +10,8 @@ namespace recon {
 
 namespace {
 
+using detail::require;
+
 bool has_control_character(const std::string& text) {
   for (const char c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return true;

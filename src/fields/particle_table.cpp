@@ -13,6 +13,8 @@ namespace recon {
 
 namespace {
 
+using detail::require;
+
 constexpr std::array<std::array<const char*, 5>, max_dimension> coordinate_names{{
     {"x", "X", "xu", "Points:0", "Points_0"},
     {"y", "Y", "yu", "Points:1", "Points_1"},

@@ -1,5 +1,5 @@
-// A batch of the particles of one cell per lane: their quantities about the centre of the cell, and
-// their weights at one node of its stencil after another.
+// A batch of particles, those of one cell in each lane: their quantities about the centre of the
+// cell, and their weights at one node of the stencil after another.
 #pragma once
 
 #include "grid/row_pack.hpp"
@@ -13,7 +13,7 @@ class CellBatch {
  public:
   using T = Pack<Scalar>;
 
-  // Slots first .. first + count - 1 of the row, at most slots_per_batch.
+  // Takes the slots first .. first + count - 1 of the row, at most slots_per_batch.
   CellBatch(const CellRow<Scalar>& cells, std::uint32_t first, int count)
       : row(cells),
         slots(count),
@@ -50,18 +50,19 @@ class CellBatch {
   Scalar* const q;          // moments | right-hand sides
   Scalar* const w;          // weights at the node of the latest call of weights()
 
-  // What nodes (b, c) of the stencil have in common, for every node along the first axis.
+  // Prepares what the nodes (a, b, c) of the stencil, for all a, have in common.
   RECON_INLINE void start_line(int b, int c) const {
     if (row.form == WeightForm::tensor_product) across_weights(b, c);
   }
-  // `offset` is that of node a of the line.
+  // Evaluates the weights at node a of the line; `offset` is that of the node from the
+  // centre of the cell.
   RECON_INLINE void weights(int a, const T* offset) const {
     if (row.form == WeightForm::tensor_product)
       tensor_weights(a);
     else
       radial_weights(offset);
   }
-  // Particles that count as neighbours of the node with these weights.
+  // The number of particles that count as neighbours of the node with these weights.
   T count() const {
     if (clear_) return all_;
     T count(0);
@@ -74,7 +75,7 @@ class CellBatch {
   using Sizes = NodeSizes<Scalar, D, R>;
   static constexpr int L = Sizes::L, M = Sizes::M, m = Sizes::m;
 
-  // The tensor weights along each axis.
+  // Evaluates the factors of tensor-product weights along each axis.
   void axis_weights() {
     Scalar* to = axis_;
     for (int d = 0; d < D; ++d)
@@ -97,8 +98,8 @@ class CellBatch {
     clear_ = all_lanes(least > T(row.least_weight));
   }
 
-  // The product of all but the first axis' weights, for node (b, c) of the stencil; then all of
-  // them.
+  // across_weights(): for node (b, c) of the stencil, the product of the factors along all axes but
+  // the first. tensor_weights(): the whole product.
   RECON_INLINE void across_weights(int b, int c) const {
     if constexpr (D >= 2) {
       const Scalar* second = axis_ + (row.stencil[0] + b) * slots * L;
@@ -126,11 +127,11 @@ class CellBatch {
     row.weight(row.weight_state, w, w, nullptr, static_cast<std::size_t>(slots * L));
   }
 
-  const std::size_t numbers_;  // from slot to slot
+  const std::size_t numbers_;  // numbers of a slot
   const Scalar* const particles_;
   Scalar *const counted_, *const across_, *const axis_;
   bool clear_ = false;  // every particle exceeds least_weight at every node of its cell
-  T all_ = T(0);        // particles
+  T all_ = T(0);        // number of particles
 };
 
 }  // namespace

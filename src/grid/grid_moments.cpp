@@ -7,6 +7,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 constexpr std::size_t numbers_per_block = 65536;
 
 // From the lanes of a finished row to [node][quantity], and back.

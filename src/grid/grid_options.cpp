@@ -4,6 +4,10 @@
 
 namespace recon {
 
+namespace {
+using detail::require;
+}  // namespace
+
 void GridOptions::validate() const {
   require(degree >= 0 && degree <= 2, "degree", degree, "must be 0, 1 or 2");
   require(form == WeightForm::radial || form == WeightForm::tensor_product, "form",

@@ -7,6 +7,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 constexpr double widest_support = 8;  // spacings
 
 // (P + 1) / 2 for the B-spline of degree P, in spacings; 0 for other weights.

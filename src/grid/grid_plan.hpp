@@ -1,11 +1,11 @@
 // The geometry of a reconstruction on a grid: which nodes a particle sees, along each axis.
 //
-// In units of the spacing let u be the place of a particle, node i at u = i, and s = rho / spacing.
-// It sees the nodes with |u - i| < s. With c = floor(u - s) these are among c + 1 .. c + n, n =
-// ceil(2 s): all particles with the same c form a cell. Cells are numbered k = c + n, so that cell
-// k sees the nodes k - n + 1 .. k, and the cells 0 .. N + n - 2 are those that see any of the N
-// nodes at all. For cardinal splines of odd degree cells are those of the grid, for even degrees
-// they lie about a node.
+// Let u be the position of a particle in units of the spacing, node i at u = i, and s = rho /
+// spacing. The particle sees the nodes with |u - i| < s. With c = floor(u - s) these are among c +
+// 1 .. c + n, n = ceil(2 s): all particles with the same c form a cell. Cells are numbered k = c +
+// n, so that cell k sees the nodes k - n + 1 .. k, and the cells 0 .. N + n - 2 are those that see
+// any of the N nodes at all. For cardinal splines of odd degree the cells are those of the grid;
+// for even degrees a cell lies about each node.
 #pragma once
 
 #include <array>
@@ -25,19 +25,19 @@ struct GridAxis {
   double origin = 0, per_spacing = 1;            // u = (x - origin) * per_spacing
   double support = 1, per_support = 1, rho = 1;  // s, and as a length
 
-  // Counted from the lower border of cell 0, in spacings: cell k is [k, k + 1). (No floor(): that
-  // is a function call where the instruction set has none.)
+  // The position of a coordinate in spacings from the lower border of cell 0: cell k is [k, k + 1).
+  // (No floor(): that is a function call where the instruction set has none.)
   double place(double x) const { return (x - origin) * per_spacing + (stencil - support); }
-  // k of a coordinate; -1 where no node is seen.
+  // The cell k of a coordinate; -1 where it sees no node.
   std::int64_t cell(double x) const {
     const double at = place(x);
     return at >= 0 && at < static_cast<double>(cells) ? static_cast<std::int64_t>(at) : -1;
   }
-  // (x - centre of cell k) / rho.
+  // The offset (x - centre of cell k) / rho.
   double offset(double x, std::int64_t k) const {
     return (place(x) - static_cast<double>(k) + support - 0.5 * (stencil + 1)) * per_support;
   }
-  // (node a of the stencil - centre of the cell) / rho.
+  // The offset (node a of the stencil - centre of the cell) / rho.
   double node_offset(int a) const { return (a - 0.5 * (stencil - 1)) / support; }
 };
 

@@ -1,10 +1,10 @@
 // The moments of one stencil offset: summed about the centre of a cell, then moved to the node.
 //
-// The sums are a product of the matrices w (nodes x particles) and q (particles x quantities), in
-// which all that is done for a pair of particle and node is one multiply-add per quantity. Then
+// The sums are a product of the matrices w (nodes x particles) and q (particles x quantities),
+// which costs one multiply-add per quantity for a pair of particle and node. Then
 //     sum w (t - d)^a  from  sum w t^b, b <= a,
-// by the binomial formula, which costs little more than one multiply-add for each quantity of a
-// node and cell; no more than |t| <= 1, |d| < 1 is involved, so that no digits are lost.
+// is found by the binomial formula, which costs little more than one multiply-add for each quantity
+// of a node and cell. It involves only |t| <= 1 and |d| < 1, so that no digits are lost.
 #pragma once
 
 #include "grid/row_pack.hpp"
@@ -12,8 +12,8 @@
 namespace recon::RECON_SET {
 namespace {
 
-// What moves monomials of degree up to R to another centre: s[to] -= offset[axis] * s[from] in this
-// order.
+// The steps that move moments of degree up to R to another centre: s[to] -= offset[axis] *
+// s[from], in this order.
 template <int D, int R>
 struct MoveSteps {
   struct Step {
@@ -49,14 +49,15 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
   using T = Pack<Scalar>;
   using Sizes = NodeSizes<Scalar, D, R>;
   using Sizes::L, Sizes::M, Sizes::m;
-  // Sums that are kept in registers at a time: of 32 registers in AVX-512, else 16.
+  // The number of sums that are kept in registers at a time: there are 32 registers in
+  // AVX-512, else 16.
   static constexpr int registers = sizeof(T) == 64 ? 24 : 12;
-  // Components whose sums go together with the moments, and without them.
+  // How many components are summed together with the moments, and how many without them.
   static constexpr int with_moments =
       M < registers ? (registers - M) / m < 4 ? (registers - M) / m : 4 : 0;
   static constexpr int alone = m > registers ? 1 : registers / m < 4 ? registers / m : 4;
 
-  // To the node at `to`: moments, and all components. The arguments are those of add_block().
+  // Adds moments and all components to the node at `to`. The arguments are those of add_block().
   RECON_INLINE static void add(int components, const Scalar* q, int stride, const Scalar* w,
                                int slots, const T* offset, Scalar* to) {
     add_components<M, with_moments>(components, q, stride, w, slots, offset, to);
@@ -67,7 +68,7 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
   }
 
  private:
-  // sum[k] = sum_s w[s] q[s][k], k < Q.
+  // Sets sum[k] = sum_s w[s] q[s][k] for k < Q.
   template <int Q>
   RECON_INLINE static void product(const Scalar* q, int stride, const Scalar* w, int slots,
                                    T* sum) {
@@ -88,8 +89,8 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
     }
   }
 
-  // From moments up to `Degree` about the cell's centre to those about a node at `offset` from it:
-  // pass i along an axis turns t^(e - i + 1) (t - d)^(i - 1) into t^(e - i) (t - d)^i for e >= i.
+  // Moves moments up to `Degree` from the centre of the cell to a node at `offset` from it: pass i
+  // along an axis turns t^(e - i + 1) (t - d)^(i - 1) into t^(e - i) (t - d)^i for e >= i.
   template <int Degree>
   RECON_INLINE static void move(T* s, const T* offset) {
     using Steps = MoveSteps<D, Degree>;
@@ -99,7 +100,7 @@ struct MomentSums : NodeSizes<Scalar, D, R> {
     });
   }
 
-  // One stencil offset: `Moments` moments (M or none) and C components, to the node at `to`.
+  // Adds for one stencil offset `Moments` moments (M or none) and C components to the node at `to`.
   template <int Moments, int C>
   RECON_INLINE static void add_block(const Scalar* q, int stride, const Scalar* w, int slots,
                                      const T* offset, Scalar* to) {

@@ -17,7 +17,7 @@ struct NodeFits {
   std::vector<FitReport> reports;
 
   explicit NodeFits(const GridPlan<Scalar>& plan);
-  // Nodes that solve_row could not do, which have particles.
+  // The nodes that have particles and that RowSolver could not solve.
   std::vector<std::size_t> unsafe() const;
 };
 
@@ -58,7 +58,7 @@ template <class Scalar>
 void fit_reduced(const Scalar* moments, const GridPlan<Scalar>& plan,
                  const std::vector<std::size_t>& nodes, NodeFits<Scalar>& fits);
 
-// For finite data whose result is too large for the precision.
+// Throws InvalidArgument for finite data whose result is too large for the precision.
 template <class Scalar>
 [[noreturn]] void throw_overflow(Scalar result, const char* what, int component, std::size_t node) {
   detail::throw_invalid(std::string(what) + " of component " + std::to_string(component) +
@@ -66,7 +66,7 @@ template <class Scalar>
                         result, "overflows: the data, or the inverse of a support, are too large");
 }
 
-// Rounding of (x_p - x_i) / rho at a node.
+// The rounding error of (x_p - x_i) / rho at a node.
 template <class Scalar>
 Scalar node_noise(const GridPlan<Scalar>& plan,
                   const std::array<std::size_t, max_dimension>& index) {
@@ -77,7 +77,7 @@ Scalar node_noise(const GridPlan<Scalar>& plan,
   return std::numeric_limits<Scalar>::epsilon() * size;
 }
 
-// Calls body(std::integral_constant D, R) for the dimension and degree of a plan.
+// Calls body(std::integral_constant<int, D>, std::integral_constant<int, R>) for a plan.
 template <class Scalar, class Body>
 void with_shape(const GridPlan<Scalar>& plan, Body&& body) {
   const auto with_degree = [&](auto dimension) {

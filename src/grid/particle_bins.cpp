@@ -10,6 +10,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 constexpr std::size_t checked_at_once = 16384;
 constexpr std::uint32_t nowhere = 0xFFFFFFFFu;
 
@@ -106,8 +108,8 @@ ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scal
       1, static_cast<std::uint32_t>(bins_per_row_),
       static_cast<std::uint32_t>(bins_per_row_ * rows_)};
 
-  // A stable counting sort; each part of the particles counts for itself, and then knows its
-  // places.
+  // A stable counting sort; each part of the particles counts for itself, and then
+  // knows its places.
   const std::size_t parts =
       std::clamp<std::size_t>(n / (4 * bins), 1, static_cast<std::size_t>(std::min(threads, 8)));
   const std::size_t part_size = (n + parts - 1) / parts;

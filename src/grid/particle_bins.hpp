@@ -1,4 +1,4 @@
-// The particles in the order of the cells that they lie in, as indices: 4 bytes for each.
+// The particles sorted by the cells that they lie in, as indices: 4 bytes for each.
 //
 // A bin is a row of 8 cells along the first axis; rows of cells are ranges of bins. Within a bin
 // particles keep the order of the input, so that sums have a fixed order.
@@ -13,13 +13,13 @@
 
 namespace recon {
 
-// What a reconstruction reads: positions, data, and weights of the particles (none: all 1).
+// The input of a reconstruction: positions, data, and weights of the particles (none: all 1).
 template <class Scalar>
 struct ParticleData {
   PointsView<Scalar> points;
   std::vector<FieldView<Scalar>> fields;
   FieldView<Scalar> weights;
-  // Multiplies them: a power of two that brings the largest to the order of one.
+  // Multiplies the weights: a power of two that brings the largest to the order of one.
   Scalar weight_scale = 1;
 
   int components() const {
@@ -38,7 +38,8 @@ class ParticleBins {
   template <class Scalar>
   ParticleBins(const ParticleData<Scalar>& particles, const GridPlan<Scalar>& plan);
 
-  // The particles of the bins that hold the cells [begin, end) of row (j, k); some lie in others.
+  // The particles of the bins that hold the cells [begin, end) of row (j, k), and so some
+  // of other cells.
   std::span<const std::uint32_t> row(std::int64_t begin, std::int64_t end, std::int64_t j,
                                      std::int64_t k) const {
     const std::size_t first = static_cast<std::size_t>((k * rows_ + j) * bins_per_row_);

@@ -69,8 +69,8 @@ class RowGather {
   };
   static constexpr std::size_t elsewhere = ~std::size_t{0};
 
-  // The cell of each particle within the tile, and the slots that each group needs: as many as its
-  // fullest lane has particles. The data that will be wanted are already asked for.
+  // Finds the cell of each particle within the tile, and the slots that each group needs: as many
+  // as its fullest lane has particles. Also prefetches the data of the particles.
   void count_slots(std::span<const std::uint32_t> chosen) {
     std::fill(place_.begin(), place_.end(), std::size_t{0});
     const GridAxis axis = plan_.axes[0];
@@ -106,7 +106,8 @@ class RowGather {
       particle_[count] = chosen[i];
       at_[count++] = std::exchange(place_[at_[i]], place_[at_[i]] + slot_size_);
     }
-    // Number by number: each loop is short, and no particle waits for the one before.
+    // One kind of number after another: each loop is short, and no particle waits for
+    // the one before.
     Scalar* to = slots_.data();
     const auto fill = [&](const auto& value) {
       for (std::size_t i = 0; i < count; ++i) to[at_[i]] = value(i);
@@ -141,7 +142,7 @@ class RowGather {
   std::span<const std::uint32_t> left_;
   std::vector<std::int64_t> cell_;  // of each particle, from first_
   std::vector<std::size_t> at_,
-      place_;  // where its numbers go; where those of a cell's next one do
+      place_;  // where the numbers of a particle go, and those of the next one of a cell
   std::vector<std::uint32_t> particle_, begin_;
   AlignedArray<Scalar> slots_;
 };

@@ -21,7 +21,7 @@ struct Kernel : NodeSizes<Scalar, D, R> {
   using Sizes = NodeSizes<Scalar, D, R>;
   using Sizes::L, Sizes::M, Sizes::m;
 
-  // All nodes of the stencil of group g.
+  // Adds a batch of group g to all nodes of the stencil.
   static void add_batch(const Batch& batch, int g) {
     const CellRow<Scalar>& row = batch.row;
     const std::size_t node_size = static_cast<std::size_t>((1 + M + row.components * m) * L);

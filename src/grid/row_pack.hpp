@@ -16,7 +16,10 @@
 namespace recon::RECON_SET {
 namespace {
 
-// Sums stay in registers only if all of this is one function.
+// unroll() rather than loops: sums stay in registers only if everything is inlined
+// into one function.
+using recon::detail::all_lanes, recon::detail::any_lane, recon::detail::larger,
+    recon::detail::select, recon::detail::smaller;
 using recon::detail::unroll;
 
 template <class Scalar>
@@ -28,7 +31,7 @@ RECON_INLINE void store(const std::type_identity_t<Pack<Scalar>>& value, Scalar*
   value.copy_to(to, std::experimental::vector_aligned);
 }
 
-// Of a fit of degree R.
+// The sizes of a fit of degree R.
 template <class Scalar, int D, int R>
 struct NodeSizes {
   using Powers = Monomials<D, 2 * R>;

@@ -15,11 +15,11 @@
 
 namespace recon {
 
-// How nodes of a row are dealt out: node i of the grid with first <= i < first + width stands in
-// lane (i - first + n_0 - 1) / groups, entry (i - first + n_0 - 1) % groups.
+// The distribution of the nodes of a row over lanes: node i of the grid with first <= i < first +
+// width is in lane (i - first + n_0 - 1) / groups, at entry (i - first + n_0 - 1) % groups.
 struct LaneLayout {
   int lanes, groups, stencil;
-  std::int64_t width;  // of a tile, nodes
+  std::int64_t width;  // number of nodes of a tile
 
   template <class Scalar>
   static LaneLayout of(const GridPlan<Scalar>& plan);

@@ -17,16 +17,17 @@ class ColumnParser {
   std::size_t columns() const { return columns_.size(); }
   std::size_t rows() const { return lines_.size(); }
 
-  // Memory for rows to come: a promise of the file that is not trusted beyond a bound.
+  // Reserves memory for so many rows, up to a bound, since what a file promises is not trusted.
   void reserve(std::size_t rows);
 
-  // One cell of the row that is being read: a number, or text that waits for who asks for it.
+  // Adds a cell to the row that is being read: a number, or text that is kept until
+  // it is asked for.
   void add_cell(std::size_t column, std::string_view cell);
   // Throws FileError for more rows than a table can number.
   void end_row();
 
-  // All columns. Cells that are one of the markers hold no value; what cannot be used as numbers is
-  // told in a remark.
+  // Returns all columns. Cells that are one of the markers hold no value; a remark names what
+  // cannot be used as numbers.
   ParticleTable finish(const std::vector<std::string>& missing) &&;
 
  private:

@@ -8,20 +8,19 @@
 
 namespace recon::detail {
 
-// A frame after another: next(), and then either skip() or read().
+// A file as a series of frames: next(), and then either skip() or read().
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
   // Whether there is another frame.
   virtual bool next() = 0;
-  // Of the frame that next() found. In delimited text the particles are counted by skip() and
-  // read().
+  // About the frame that next() found. In delimited text skip() and read() count the particles.
   virtual const FrameInfo& info() const = 0;
   virtual void skip() = 0;
   virtual ParticleTable read() = 0;
 };
 
-// Names in UTF-8, with a remark where they were not.
+// Converts names to UTF-8, with a remark where they were not.
 std::vector<std::string> to_utf8(const std::vector<std::string>& names,
                                  std::vector<std::string>& remarks);
 

@@ -13,6 +13,8 @@ namespace recon {
 
 namespace {
 
+using detail::require;
+
 using detail::Extent;
 using detail::gnuplot_string;
 using detail::join;
@@ -100,8 +102,8 @@ struct Layout {
     const int panels = static_cast<int>(map.panels.size());
     columns = map.columns > 0 ? std::min(map.columns, panels) : aspect > 2 ? 1 : panels;
     rows = (panels + columns - 1) / columns;
-    // One area whatever the shape, within bounds; smaller where there are many, down to half the
-    // size.
+    // One area whatever the shape, within bounds; smaller where there are many, down
+    // to half the size.
     const double side = area_side * std::max(0.5, 1 / std::sqrt(std::max(1.0, 0.6 * columns)));
     const double wide =
         std::min({side * std::sqrt(aspect), longest_width, longest_height * aspect});

@@ -222,8 +222,9 @@ void skip_atoms(TextFile& file, const Frame& frame) {
   }
 }
 
-// Scaled coordinates into lengths: (x, y, z) = origin + xs a + ys b + zs c with the edges a, b, c of
-// the box, as columns of their own. Where an edge is needed whose coordinate is not there, none is.
+// Scaled coordinates into lengths: (x, y, z) = origin + xs a + ys b + zs c with the edges a,
+// b, c of the box, as columns of their own. Where an edge is needed whose coordinate is not
+// there, none is.
 void add_unscaled(ParticleTable& table, const SimulationCell& cell) {
   std::string done;
   const std::vector<std::string> repeated = table.repeated_names();

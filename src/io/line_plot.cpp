@@ -13,6 +13,8 @@ namespace recon {
 
 namespace {
 
+using detail::require;
+
 using detail::Extent;
 using detail::gnuplot_string;
 using detail::join;

@@ -5,6 +5,10 @@
 
 namespace recon {
 
+namespace {
+using detail::require;
+}  // namespace
+
 GridSlice slice(const StructuredGrid<double>& grid, std::span<const double> values, int axis,
                 std::size_t index) {
   grid.validate();

@@ -13,13 +13,13 @@ constexpr const char* frame_style =
     "set border 31 linewidth 1 linecolor rgb '#404040'\n"
     "set tics textcolor rgb '#202020'\n";
 
-// "[0:1]".
+// A range as gnuplot writes it: "[0:1]".
 std::string range_text(const Range& range);
 
 // Throws InvalidArgument unless lower < upper are finite and differ by more than rounding.
 void require_range(const Range& range, const char* name);
 
-// The least and greatest of numbers that are added.
+// The least and the greatest of the numbers that were added.
 struct Extent {
   double least = std::numeric_limits<double>::infinity();
   double greatest = -std::numeric_limits<double>::infinity();
@@ -27,18 +27,20 @@ struct Extent {
     least = std::min(least, value);
     greatest = std::max(greatest, value);
   }
-  // Never empty: where there is one value (but for rounding), or none, some room around it.
+  // The range, never empty: where there is one value (but for rounding), or none, with some
+  // room around it.
   Range range() const;
 };
 
-// A distance of 1, 2 or 5 times a power of ten that cuts the range into at most `most` parts.
+// A distance of tics, 1, 2 or 5 times a power of ten, that cuts the range into at
+// most `most` parts.
 double tic_distance(const Range& range, int most);
-// Figures that tell one tic from the next.
+// The number of digits that tell one tic from the next.
 int tic_figures(const Range& range, double step);
 
-// Commands for an axis ("x", "y", "cb").
+// The commands for the tics of an axis ("x", "y", "cb").
 std::string linear_tics(const std::string& axis, const Range& range, int most);
-// Decades or, on less than two of them, 1, 2 and 5 times each power of ten.
+// Tics of a log axis: decades or, on less than two of them, 1, 2 and 5 times each power of ten.
 std::string log_tics(const std::string& axis, const Range& range);
 
 }  // namespace recon::detail

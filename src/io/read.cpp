@@ -12,6 +12,8 @@ namespace recon {
 
 namespace {
 
+using detail::require;
+
 bool is_lammps_dump(detail::TextFile& file) {
   const detail::TextFile::Mark start = file.mark();
   std::string_view line;

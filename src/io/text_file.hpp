@@ -19,20 +19,20 @@ namespace recon::detail {
 class ByteSource {
  public:
   explicit ByteSource(const std::filesystem::path& path);
-  // Bytes that outlive this object; `name` is for messages.
+  // Reads bytes in memory, which must outlive this object; `name` is for messages.
   ByteSource(std::string_view bytes, const std::filesystem::path& name);
   ~ByteSource();
   ByteSource(const ByteSource&) = delete;
   ByteSource& operator=(const ByteSource&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  // At most `count` of the next bytes; 0 at the end. Throws FileError for what is not whole.
+  // Reads at most `count` of the next bytes; 0 at the end. Throws FileError for a damaged file.
   std::size_t read(char* to, std::size_t count);
   // The next read() begins at this byte.
   void go_to(std::int64_t offset);
-  // Whether the gzip stream ended before its time: what was read until then is sound.
+  // Whether the gzip stream ended too early; what was read until then is sound.
   bool cut() const { return cut_; }
-  // Part of the bytes that were read, from 0 to 1.
+  // The part of the bytes that has been read, from 0 to 1.
   double progress() const;
 
  private:
@@ -54,7 +54,7 @@ class ByteSource {
 // Throws FileError for a file that cannot be opened or is not text, and for a damaged gzip stream.
 class TextFile {
  public:
-  // Where a line begins: to come back to it.
+  // The place where a line begins, to come back to.
   struct Mark {
     std::int64_t offset;  // bytes, of the text after gzip is undone
     std::size_t line;     // number of the line before
@@ -88,7 +88,7 @@ class TextFile {
 
  private:
   void start();
-  bool refill();  // keeps buffer_ from at_ on; false at the end of the file
+  bool refill();  // reads on, keeps buffer_ from at_ on; false at the end of the file
   void refuse_foreign_content();
 
   ByteSource source_;
@@ -99,9 +99,9 @@ class TextFile {
   bool at_end_ = false, closed_ = true;
 };
 
-// A number in decimal notation, nan and inf included; `text` must be nothing else. A leading '+' is
-// allowed. Too large for double, however it is written: infinity is not a substitute, so none; too
-// small: 0.
+// A number in decimal notation, nan and inf included; `text` must be nothing else. A leading
+// '+' is allowed. A number too large for double has no value (infinity is no substitute), one
+// too small is 0.
 std::optional<double> parse_number(std::string_view text);
 
 std::optional<std::int64_t> parse_integer(std::string_view text);
@@ -111,7 +111,8 @@ void split_at_blanks(std::string_view line, std::vector<std::string_view>& cells
 
 std::string_view trim(std::string_view text);
 
-// Text from a file in a message: quoted, cut to a bearable length, without control characters.
+// Text from a file as messages show it: quoted, shortened where it is long, without
+// control characters.
 std::string quote(std::string_view text);
 
 }  // namespace recon::detail

@@ -32,8 +32,9 @@ std::string header(int dimension, const FieldSet& fields) {
   std::unordered_set<std::string> used;
   std::string line;
   for (const std::string& name : names) {
-    require(used.insert(name).second, "name of a column", name,
-            "must be used only once in a CSV file (coordinates are x, y, z); rename the field");
+    detail::require(
+        used.insert(name).second, "name of a column", name,
+        "must be used only once in a CSV file (coordinates are x, y, z); rename the field");
     if (!line.empty()) line += ',';
     line += quoted(name);
   }

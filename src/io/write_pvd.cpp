@@ -9,6 +9,10 @@
 
 namespace recon {
 
+namespace {
+using detail::require;
+}  // namespace
+
 void write_pvd(const std::filesystem::path& path, const std::vector<TimedFile>& files) {
   std::string xml =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n";

@@ -2,8 +2,8 @@
 //
 //   <VTKFile ...> ... <DataArray ... format="appended" offset="0"/> ... <AppendedData>_[blocks]
 //
-// A block is its length in bytes as UInt64 and then the numbers; offsets count from the byte after
-// '_'.
+// A block is its length in bytes as UInt64 and then the numbers; offsets count from the
+// byte after '_'.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -115,8 +115,8 @@ void append_value(std::string& bytes, double value, NumberType type) {
   }
 }
 
-// Vectors and tensors have the components of 3-D, as filters for arrows, warps and stream lines want
-// them; those that the data do not have are 0.
+// Vectors and tensors have the components of 3-D, as filters for arrows, warps and stream lines
+// want them; those that the data do not have are 0.
 void describe_fields(VtkFile& file, const FieldSet& fields, int dimension) {
   file.xml("<PointData>\n");
   for (const NamedField& field : fields) {

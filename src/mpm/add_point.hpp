@@ -1,4 +1,4 @@
-// Quadrature points of cells, and what one adds to the nodes.
+// Quadrature points of cells, and their contributions to the nodes.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ class CellPoints {
   }
   std::size_t per_cell() const { return places_.size(); }
   double volume() const { return volume_; }
-  // From the lower corner of the cell.
+  // The offset of the point from the lower corner of the cell.
   const Vector<D>& place(std::size_t g) const { return places_[g]; }
   Vector<D> at(std::size_t cell, std::size_t g) const {
     Vector<D> x = places_[g];
@@ -41,8 +41,9 @@ class CellPoints {
   double volume_;
 };
 
-// A point with this volume and these values (columns of QuadratureData) adds rho N_i to the mass,
-// rho b N_i - sigma grad N_i to the force, and rho v N_i to the momentum, if it has one.
+// Adds the contributions of a point with this volume and these values (columns of QuadratureData):
+// rho N_i to the mass, rho b N_i - sigma grad N_i to the force, and rho v N_i to the momentum, if
+// there is one; each times the volume.
 template <int D>
 void add_point(const ShapeFunctions<D>& shape, double volume, const double* values, bool body_force,
                bool momentum, Nodes<D>& nodes) {

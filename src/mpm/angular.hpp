@@ -7,7 +7,7 @@
 
 namespace recon::mpm {
 
-// x x p; only the last component in 2-D, nothing in 1-D.
+// The cross product x x p: its last component in 2-D, zero in 1-D.
 template <int D>
 void add_angular(std::array<double, 3>& sum, const Vector<D>& x, const Vector<D>& p) {
   if constexpr (D >= 2) sum[2] += x[0] * p[1] - x[1] * p[0];

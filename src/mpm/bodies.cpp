@@ -49,8 +49,8 @@ void fill_cells(const Grid<D>& grid, const Region<D>& region, int n, double jitt
     along[d] = place(region.upper[d], 1) - first[d] + 1;
     places *= static_cast<double>(along[d]);
   }
-  require(places <= most, "particles of a body", places,
-          "are up to so many, which is more than there is memory for");
+  recon::detail::require(places <= most, "particles of a body", places,
+                         "are up to so many, which is more than there is memory for");
   std::mt19937 random(1);
   for (std::size_t i = 0, count = static_cast<std::size_t>(places); i < count; ++i) {
     Vector<D> X;

@@ -9,10 +9,10 @@
 
 namespace recon::mpm {
 
-// The shape of a body: is this point of the box in it?
+// The shape of a body: its bounding box, and whether a point of the box is inside.
 template <int D>
 struct Region {
-  Vector<D> lower, upper;  // of the smallest box that holds it
+  Vector<D> lower, upper;  // the smallest box that holds it
   std::function<bool(const Vector<D>&)> inside;
 };
 
@@ -21,16 +21,16 @@ struct Region {
 template <int D>
 void require_in_grid(const Grid<D>& grid, const Vector<D>& lower, const Vector<D>& upper);
 
-// Particles at the fractions (j - 1/2) / n of the grid's cells, n an axis, wherever they are
-// inside. jitter: moved at random by up to this part of their own box, the same way every time.
-// Throws InvalidArgument for a region that reaches out of the grid, and, before anything is
-// allocated, where its box holds more than `most` such places.
+// Adds particles at the fractions (j - 1/2) / n of the edges of the grid's cells, n along each
+// axis, wherever these places are inside. jitter: each is moved at random by up to this part of its
+// own box, in the same way every time. Throws InvalidArgument for a region that reaches out of the
+// grid and, before anything is allocated, where its box holds more than `most` such places.
 template <int D>
 void fill_cells(const Grid<D>& grid, const Region<D>& region, int n, double jitter, double density,
                 int body, double most, Particles<D>& out);
 
-// A ring between two radii about a centre: `radial` times `angular` sectors of equal angle; each
-// particle's domain has the area of its sector, one edge along the radius.
+// Adds a ring between two radii about a centre: `radial` times `angular` sectors of equal angle.
+// The domain of each particle has the area of its sector, one edge along the radius.
 void fill_ring(const Vector<2>& centre, double inner, double outer, int radial, int angular,
                double density, int body, Particles<2>& out);
 

@@ -1,8 +1,8 @@
 // Quadrature over the cells of the grid, with density and stress by least squares.
 //
 // A cell counts with the part of it that holds material: 1 where the cell and all its neighbours
-// hold particles (or lie beyond the grid), 0 where it holds none, else what its particles' volumes
-// fill of it, at most 1. So the bodies' borders are where their particles are, and inside nothing
+// hold particles (or lie beyond the grid), 0 where it holds none, else the part that the volumes of
+// its particles fill, at most 1. So a body ends where its particles end, and inside it nothing
 // depends on how particles are spread over cells.
 #pragma once
 
@@ -10,9 +10,9 @@
 
 namespace recon::mpm {
 
-// Of the particles, as the columns that quadratures reconstruct: density, stress by rows of its
-// upper triangle, b (the body force per mass, unless that is empty), and density times velocity
-// if asked for.
+// The data of the particles in the columns that quadratures reconstruct: density, the stress (row
+// after row of its upper triangle), b (the body force per mass, unless that is empty), and density
+// times velocity if asked for.
 template <int D>
 class QuadratureData {
  public:
@@ -29,7 +29,8 @@ class QuadratureData {
   std::vector<double> data_;
 };
 
-// Number of the cell that holds x, the first axis fastest as in the grid of the cell centres.
+// The number of the cell that holds x; the first axis runs fastest, as in the grid of
+// the cell centres.
 template <int D>
 std::size_t cell_of(const Grid<D>& grid, const Vector<D>& x) {
   std::size_t n = 0;
@@ -42,9 +43,9 @@ std::size_t cell_of(const Grid<D>& grid, const Vector<D>& x) {
 template <int D>
 std::vector<double> full_cells(const Problem<D>& problem);
 
-// The quadratures `cells` (one point in each, fitted there) and `nodal_cells` (fitted at the nodes,
-// linear between them, exact): fits, and adds to the nodes' mass and force. b: body force per mass
-// of the particles, or empty.
+// Fits and adds to the mass and force of the nodes, for the quadratures `cells` (fitted at the
+// centre of each cell, its only point) and `nodal_cells` (fitted at the nodes, linear between them,
+// integrated exactly). b: body force per mass of the particles, or empty.
 template <int D>
 void integrate_cells(const Problem<D>& problem, const std::vector<Vector<D>>& b, Cells<D>& cells,
                      Nodes<D>& nodes);

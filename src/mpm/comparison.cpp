@@ -114,7 +114,8 @@ ComparisonRow run_one(const Problem<D>& problem) {
 std::vector<ComparisonRow> compare(const LoadProblem& load, const ComparisonStudy& study,
                                    const std::function<void(const std::string&)>& progress) {
   constexpr int per_cell = 2;
-  require(!study.cells.empty(), "grids of the comparison", 0, "must be at least one");
+  recon::detail::require(!study.cells.empty(), "grids of the comparison", 0,
+                         "must be at least one");
   std::vector<ComparisonRow> rows;
   for (const std::string& method : study.methods) {
     if (progress) progress(method);

@@ -16,8 +16,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 template <int D>
 void add_rows(const Problem<D>& problem, const std::vector<double>& times,
               const ConvergenceRow& row, std::vector<ConvergenceRow>& rows) {
-  require(problem.exact != nullptr, "problem", problem.title,
-          "has no exact solution to compare with");
+  recon::detail::require(problem.exact != nullptr, "problem", problem.title,
+                         "has no exact solution to compare with");
   std::string failure;
   Simulation<D> simulation(problem);
   for (const double part : times) {

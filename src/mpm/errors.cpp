@@ -8,6 +8,8 @@ namespace recon::mpm {
 
 namespace {
 
+using recon::detail::require;
+
 // |e_p|^2 of all fields.
 template <int D>
 std::array<double, 4> squared_errors(const Simulation<D>& simulation, std::size_t p) {

@@ -82,8 +82,8 @@ Formula::Evaluator::~Evaluator() {
 }
 
 double Formula::Evaluator::operator()(std::span<const double> values) {
-  require(values.size() == parser_->at.size(), "values of a formula", values.size(),
-          "must be one for each variable");
+  recon::detail::require(values.size() == parser_->at.size(), "values of a formula", values.size(),
+                         "must be one for each variable");
   std::copy(values.begin(), values.end(), parser_->at.begin());
   double value = 0;
   try {

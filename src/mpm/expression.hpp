@@ -19,18 +19,18 @@ namespace recon::mpm {
 class Formula {
  public:
   // Throws std::invalid_argument that says what is wrong with the formula, or with a constant: a
-  // name that no formula can use or that is taken, a value that is not finite.
+  // name that formulas cannot use or that is taken, a value that is not finite.
   Formula(std::string text, std::vector<std::string> variables,
           const std::map<std::string, double>& constants);
 
-  // A parser of one's own, for many values in one thread. Given back to the formula at the end.
+  // A parser borrowed from the formula, for many values in one thread; it is returned at the end.
   class Evaluator {
    public:
     ~Evaluator();
     Evaluator(Evaluator&&) noexcept;
     Evaluator& operator=(Evaluator&&) = delete;
-    // The variables in the order of their names. Throws std::invalid_argument for a result that is
-    // not finite.
+    // Evaluates for these variables, in the order of their names. Throws std::invalid_argument for
+    // a result that is not finite.
     double operator()(std::span<const double> values);
 
    private:
@@ -56,15 +56,15 @@ class Expression {
   static std::vector<std::string> variable_names() { return {"X", "Y", "Z", "x", "y", "z", "t"}; }
 
   Expression(double constant = 0) : constant_(constant) {}  // NOLINT: numbers are expressions
-  // Throws as Formula does.
+  // Throws as the constructor of Formula does.
   Expression(const std::string& formula, const std::map<std::string, double>& constants)
       : formula_(std::make_shared<Formula>(formula, variable_names(), constants)) {}
 
   bool is_constant() const { return !formula_; }
-  // For any number of threads.
+  // The value; may be called from any number of threads.
   double operator()(const Variables& at) const { return formula_ ? (*formula_)(at) : constant_; }
 
-  // The same for many values in one thread.
+  // Evaluates many values in one thread.
   class Evaluator {
    public:
     explicit Evaluator(const Expression& of) : constant_(of.constant_) {

@@ -26,7 +26,7 @@ void write_list(const std::filesystem::path& folder, const std::string& name, co
   write_pvd(folder / (name + "_" + kind + ".pvd"), files);
 }
 
-// ---- fields of the particles ---------------------------------------------------------------------
+// ---- fields of the particles --------------------------------------------------------------------
 using Tensor = Eigen::Matrix<double, 3, 3>;
 
 // With `beyond` on the diagonal along the axes that the problem does not have.
@@ -137,7 +137,7 @@ FieldSet fields_of_particles(const Simulation<D>& simulation,
   return out;
 }
 
-// ---- fields of nodes and cells -------------------------------------------------------------------
+// ---- fields of nodes and cells ------------------------------------------------------------------
 // get(i) is a number, or a vector of the problem's dimension.
 template <class Get>
 std::vector<double> column(std::size_t count, const Get& get) {
@@ -197,7 +197,8 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
                  const Simulation<D>& simulation, std::vector<double>& times,
                  const FrameOptions& options) {
   const Grid<D>& grid = simulation.problem().grid;
-  require(simulation.mapped(), "frame", "of nodes of another time", "needs a map() before");
+  recon::detail::require(simulation.mapped(), "frame", "of nodes of another time",
+                         "needs a map() before");
   const Nodes<D>& nodes = simulation.nodes();
   const Cells<D>& cells = simulation.cells();
   const std::size_t number = times.size();

@@ -1,5 +1,5 @@
-// Quadrature at Gauss points of the cells that are full, of reconstructed density, momentum and
-// stress; particles of all other cells count themselves.
+// Quadrature at Gauss points of reconstructed density, momentum and stress in the cells that are
+// full; in all other cells the particles are the quadrature points.
 //
 //   taylor_cells  in each cell u = a_1 + sum_k a_k psi_k with psi of mean zero, of xi = (x - x_c) /
 //                 (h / 2): xi_d, xi_d^2 / 2 - 1/6 and xi_d xi_e. For density and momentum a_1 is

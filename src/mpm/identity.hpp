@@ -1,4 +1,4 @@
-// What makes a problem the one that a checkpoint was written for, as keys with values.
+// What identifies the problem that a checkpoint was written for, as keys with values.
 #pragma once
 
 #include <string>
@@ -9,17 +9,18 @@
 
 namespace recon::mpm {
 
-// In the order in which differences are told. Numbers have twelve significant figures.
+// Keys and values in the order in which they are compared. Numbers have twelve significant digits.
 using Identity = std::vector<std::pair<std::string, std::string>>;
 
 template <int D>
 Identity identity_of(const Problem<D>& problem);
 
-// Lines "key = value", and back. Line breaks within are written as blanks.
+// As lines "key = value", and back. Line breaks within a value are written as blanks.
 std::string to_text(const Identity& identity);
 Identity identity_from(const std::string& text);
 
-// "grid.lower is 0, 0 in the checkpoint, 1, 0 now": the first difference, or nothing.
+// The first difference, such as "grid.lower is 0, 0 in the checkpoint, 1, 0 now"; empty
+// if there is none.
 std::string difference(const Identity& stored, const Identity& now);
 
 }  // namespace recon::mpm

@@ -33,7 +33,8 @@ void add(std::array<double, 3>& sum, const std::array<double, 3>& value) {
 
 template <int D>
 Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start) {
-  require(simulation.mapped(), "account", "of nodes of another time", "needs a map() before");
+  recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
+                         "needs a map() before");
   const Problem<D>& problem = simulation.problem();
   const Particles<D>& particles = simulation.particles();
   const Nodes<D>& nodes = simulation.nodes();

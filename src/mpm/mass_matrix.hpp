@@ -1,5 +1,5 @@
-// The consistent mass matrix M_ij = sum_p m_p S_ip S_jp: M v = p, M a = f (Andersen, Andersen 2007,
-// eq. 10, 17).
+// The consistent mass matrix M_ij = sum_p m_p S_ip S_jp: M v = p, M a = f (Andersen, Andersen
+// 2007, eq. 10, 17).
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -8,10 +8,10 @@
 
 namespace recon::mpm {
 
-// Entries of M, several for one place add up.
+// Entries of M; several of one place add up.
 using MassEntries = std::vector<Eigen::Triplet<double>>;
 
-// Adds mass * S_i S_j of all pairs of nodes.
+// Adds mass * S_i S_j for all pairs of nodes.
 template <int D>
 void add_mass(const ShapeFunctions<D>& shape, double mass, MassEntries& entries) {
   for (std::size_t a = 0; a < shape.size(); ++a)

@@ -6,6 +6,10 @@
 
 namespace recon::mpm {
 
+namespace {
+using recon::detail::require;
+}  // namespace
+
 std::span<const Method> methods() {
   using enum Domain;
   using enum VelocityMap;

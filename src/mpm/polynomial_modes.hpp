@@ -1,34 +1,34 @@
 // Polynomials about a particle that are orthogonal under its shape functions S_ip, for the maps
 // that carry more than a velocity (Jiang et al. 2015; Fu et al. 2017).
 //
-// On each axis s_0 = 1, s_1 = d, s_2 = d^2 - kappa d - nu with d = x_i - x_p and
-// sum_i S_i s_r s_q = 0; in D dimensions their products. For quadratic splines inside the grid nu =
-// h^2 / 4 and kappa = z (h^2 - 4 z^2) / h^2 with z = x_p less the nearest node: the closed forms of
-// the sources. Built from the functions themselves they hold for every basis of positive products,
-// and next to a face, where splines end otherwise. What a particle remembers are the coefficients
-// c_r = sum_i S_i s_r(x_i) v_i / norm_r with norm_r = sum_i S_i s_r^2: its field is v_p + sum_r c_r
-// s_r. They go with it to where norm_r is another; norm_1 is the same everywhere inside the grid,
-// so angular momentum goes with it as well.
+// On each axis s_0 = 1, s_1 = d, s_2 = d^2 - kappa d - nu with d = x_i - x_p and sum_i S_i s_r s_q
+// = 0; in D dimensions the products of these. For quadratic splines inside the grid nu = h^2 / 4
+// and kappa = z (h^2 - 4 z^2) / h^2 with z = x_p less the nearest node: the closed forms of the
+// sources. Here they are built from the functions S_i themselves, so that they hold for every basis
+// of positive products, and also next to a face, where splines are different. A particle keeps the
+// coefficients c_r = sum_i S_i s_r(x_i) v_i / norm_r with norm_r = sum_i S_i s_r^2: its velocity
+// field is v_p + sum_r c_r s_r. The coefficients move with the particle to places where norm_r
+// differs; norm_1 is the same everywhere inside the grid, so angular momentum is kept.
 #pragma once
 
 #include "recon/mpm/method.hpp"
 
 namespace recon::mpm {
 
-// Coefficients of a particle beyond its velocity. affine: s_1 of axis d is number d. polynomial:
-// the product of s_(r_d) is number sum_d r_d 3^d - 1.
+// The number of coefficients of a particle beyond its velocity. affine: s_1 of axis d has number d.
+// polynomial: the product of the s_(r_d) has number sum_d r_d 3^d - 1.
 inline int mode_count(VelocityMap map, int dimension) {
   if (map == VelocityMap::affine) return dimension;
   if (map != VelocityMap::polynomial) return 0;
   return dimension == 1 ? 2 : dimension == 2 ? 8 : 26;
 }
-// Of s_1 of an axis.
+// The number of the coefficient of s_1 of an axis.
 inline int linear_mode(VelocityMap map, int axis) {
   if (map == VelocityMap::affine) return axis;
   return axis == 0 ? 0 : axis == 1 ? 2 : 8;
 }
 
-// Policies that are products of functions of the axes.
+// Whether a policy is a product of functions of the axes.
 template <int D, class Shape>
 constexpr bool is_product = requires(const Shape& shape, const Grid<D>& grid, const Vector<D>& x) {
   shape.template axes<D>(grid, x);
@@ -65,9 +65,9 @@ class PolynomialModes {
   }
 
   int count() const { return count_; }
-  // 0 where the functions cannot tell the polynomial from those before it.
+  // norm_r; 0 where the functions S_i cannot tell the polynomial from those before it.
   double norm(int r) const { return norm_[static_cast<std::size_t>(r)]; }
-  // At node n in the order of tensor_product().
+  // s_r at node n, in the order of tensor_product().
   double value(int r, std::size_t n) const {
     return value_[static_cast<std::size_t>(r) * nodes_ + n];
   }

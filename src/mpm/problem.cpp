@@ -8,6 +8,10 @@
 
 namespace recon::mpm {
 
+namespace {
+using recon::detail::require;
+}  // namespace
+
 template <int D>
 void Problem<D>::follow_exact() {
   for (std::size_t p = 0; p < particles.size(); ++p) {

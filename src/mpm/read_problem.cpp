@@ -225,7 +225,7 @@ class Reader {
     const Vector<D> lower = vector(grid, "lower"), upper = vector(grid, "upper");
     const double cells = grid.number("cells");
     checked(grid, "cells", [&] {
-      require(cells > 0, "cells per unit length", cells, "must be positive");
+      recon::detail::require(cells > 0, "cells per unit length", cells, "must be positive");
       out_.problem.grid = Grid<D>(lower, upper, 1 / cells);
     });
     grid.finish();

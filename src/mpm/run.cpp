@@ -85,7 +85,7 @@ void run_until(Simulation<D>& simulation, double end, const std::function<void()
 template <int D>
 RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   const double end = file.problem.time.end;
-  require(std::isfinite(end), "end", end, "must be finite");
+  recon::detail::require(std::isfinite(end), "end", end, "must be finite");
   file.problem.validate();
   RunResult result;
   result.forecast = forecast(file.problem);

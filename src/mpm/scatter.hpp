@@ -14,7 +14,7 @@
 
 namespace recon::mpm {
 
-// add(p, scratch) for every particle p, where rows(p) gives the first and the last row that it
+// Calls add(p, scratch) for every particle p, where rows(p) gives the first and the last row that p
 // touches. Scratch is default-constructed once per slab.
 template <class Scratch, class Rows, class Add>
 void scatter_by_slabs(std::size_t particles, int threads, const Rows& rows, const Add& add) {

@@ -52,7 +52,7 @@ bool read_all(int descriptor, std::uint64_t at, char* bytes, std::size_t size) {
   return true;
 }
 
-// ---- an HDF5 file driver whose writes never fail -------------------------------------------------
+// ---- an HDF5 file driver whose writes never fail ------------------------------------------------
 struct Target {
   int descriptor;
   int* error;  // null: for reading
@@ -160,7 +160,7 @@ hid_t driver() {
   return id;
 }
 
-// ---- the seal ------------------------------------------------------------------------------------
+// ---- the seal -----------------------------------------------------------------------------------
 constexpr char first_line[] = "recon-mpm checkpoint, format ";
 constexpr int format = 2;
 

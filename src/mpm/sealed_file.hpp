@@ -6,8 +6,8 @@
 //   checksum 0123456789abcdef
 //
 // followed by zeros. The checksum is that of the bytes after the seal as little-endian words of 64
-// bits, the last one filled up with zeros: h = (h ^ word) 1099511628211, then h ^= h >> 32, from h =
-// 14695981039346656037. Each step is one to one, so that no change within one word goes unseen.
+// bits, the last one filled up with zeros: h = (h ^ word) 1099511628211, then h ^= h >> 32, from
+// h = 14695981039346656037. Each step is one to one, so that no change within one word goes unseen.
 #pragma once
 
 #include <hdf5.h>
@@ -36,7 +36,8 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-// While it lives the HDF5 library does not print, and is ours alone: it is not for several threads.
+// While an object lives, the HDF5 library does not print, and is locked: it does not bear
+// several threads.
 class QuietHdf5 {
  public:
   QuietHdf5();
@@ -49,14 +50,14 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
-// An empty file that HDF5 writes to an open descriptor, behind the place of the seal. HDF5 1.10
-// crashes after a write that failed, so that none does: `error` keeps the first errno, and the
-// file must be thrown away then.
+// A new file that HDF5 writes to an open descriptor, behind the place of the seal. HDF5 1.10
+// crashes after a write that failed, so failures are hidden from it: `error` keeps the first errno,
+// and a file with an error must be thrown away.
 hid_t create_hdf5(int descriptor, int& error);
-// The file behind the seal, to be read.
+// Opens the file behind the seal for reading.
 hid_t open_hdf5(int descriptor);
 
-// Writes the seal of what follows it. The first errno, or 0.
+// Writes the seal for the bytes that follow it. Returns the first errno, or 0.
 int write_seal(int descriptor);
 // Throws FileError unless the file has a seal of this format that fits what follows.
 void check_seal(const std::filesystem::path& path, int descriptor);

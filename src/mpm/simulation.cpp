@@ -15,6 +15,8 @@
 namespace recon::mpm {
 namespace {
 
+using recon::detail::require;
+
 constexpr std::size_t particles_per_block = 1024;
 constexpr std::size_t fewest_for_threads =
     2000;                                // a step of fewer is over before threads have started

@@ -92,7 +92,8 @@ double largest_stable(const Method& method, int dimension, int per_cell, double 
 }  // namespace
 
 bool is_stable(const Method& method, int dimension, int per_cell, double courant, bool free) {
-  require(dimension >= 1 && dimension <= 3, "dimension", dimension, "must be 1, 2 or 3");
+  recon::detail::require(dimension >= 1 && dimension <= 3, "dimension", dimension,
+                         "must be 1, 2 or 3");
   if (dimension == 1) return stable<1>(method, per_cell, courant, free);
   if (dimension == 2) return stable<2>(method, per_cell, courant, free);
   return stable<3>(method, per_cell, courant, free);

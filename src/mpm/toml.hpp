@@ -1,5 +1,5 @@
-// toml++, whose assertions throw. Some texts that are no TOML break them ("[[[a]]b]"), which would
-// abort, or go on with what was assumed.
+// toml++ with assertions that throw. Some texts that are no TOML violate them ("[[[a]]b]");
+// otherwise the program would abort, or go on with wrong data.
 #pragma once
 
 #include <stdexcept>

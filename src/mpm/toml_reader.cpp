@@ -107,8 +107,8 @@ toml::table parse(const std::string& text, const std::filesystem::path& file) {
   throw FileError(file, broken, "is no TOML: tables are written [name], lists of them [[name]]");
 }
 
-// Throws for a key of the table, or of one within it, that is not among `known`, or is a table where
-// none is known.
+// Throws for a key of the table, or of one within it, that is not among `known`, or is a table
+// where none is known.
 void require_known(const toml::table& table, const std::string& path,
                    const std::vector<std::string>& known, const std::filesystem::path& file) {
   const std::string prefix = path.empty() ? "" : path + ".";

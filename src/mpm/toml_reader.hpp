@@ -15,7 +15,7 @@ namespace recon::mpm {
 
 class TomlTable {
  public:
-  // `name` as the complaints call it: "grid", "body 2", "" for the top of the file.
+  // Messages call the table `name`: "grid", "body 2", "" for the top of the file.
   TomlTable(const std::filesystem::path& file, std::string name, const toml::table& table)
       : file_(&file), name_(std::move(name)), table_(&table) {}
 
@@ -26,27 +26,27 @@ class TomlTable {
   int integer(std::string_view key, int otherwise, int least, int most) const;
   bool boolean(std::string_view key, bool otherwise) const;
   std::string text(std::string_view key) const;
-  // One of the choices; the first is the default where the key is absent, unless it is required.
+  // One of the choices. Where the key is absent it is the first, unless the key is required.
   std::string choice(std::string_view key, std::span<const std::string> choices,
                      bool required = false) const;
-  // A list of some of them, none twice.
+  // A list of some of the choices, none twice.
   std::vector<std::string> choices(std::string_view key, std::span<const std::string> known) const;
   std::vector<double> numbers(std::string_view key, std::size_t count) const;
-  // Elements of an array (or the value itself) for the caller to take apart.
+  // The elements of an array (or the value itself) for the caller to interpret.
   std::vector<const toml::node*> elements(std::string_view key, std::size_t count) const;
 
   // The table of this name, or an empty one.
   TomlTable table(std::string_view key) const;
-  // All [[key]] tables.
+  // All tables [[key]].
   std::vector<TomlTable> tables(std::string_view key) const;
 
-  // Throws for keys that nobody has asked for, those that the other keys leave without a meaning.
+  // Throws for keys that were never asked for: the other keys leave them without a meaning.
   void finish() const;
   [[noreturn]] void fail(std::string_view key, const std::string& what) const;
   [[noreturn]] void fail_at(const toml::node& node, std::string_view key,
                             const std::string& what) const;
   const toml::table& raw() const { return *table_; }
-  // The key as complaints call it: "body 2.shape".
+  // The key as messages call it: "body 2.shape".
   std::string full(std::string_view key) const;
 
  private:
@@ -59,8 +59,9 @@ class TomlTable {
   mutable std::set<std::string, std::less<>> asked_;
 };
 
-// What a file may hold: keys by their path, "body.shape" also for [[body]]. Tables that end in ".*"
-// may have any keys. `settable` can be named by --set without their table, `others` only in full.
+// The keys that a file may hold, by their path ("body.shape" also for [[body]]). Tables that
+// end in ".*" may have any keys. --set can name `settable` keys without their table,
+// `others` only in full.
 struct KnownKeys {
   std::vector<std::string> settable, others;
 };

@@ -5,8 +5,8 @@
 
 namespace recon::mpm {
 
-// Replaces nodes.mapped of the nodes with mass by the fit of the problem's method; where no point
-// lies in the support the mass-weighted velocity stays, and is counted in nodes.unfitted.
+// Replaces nodes.mapped of the nodes with mass by the fit of the problem's method. Where no point
+// lies in the support, the mass-weighted velocity is kept, and the node counted in nodes.unfitted.
 template <int D>
 void fit_velocity(const Problem<D>& problem, Nodes<D>& nodes);
 

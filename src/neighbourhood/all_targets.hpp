@@ -10,8 +10,8 @@
 
 namespace recon::detail {
 
-// The order of bricks of cells, in which targets are treated: those that follow each other look at the same
-// few kilobytes of particles. Into `sort`.
+// The order of bricks of cells, in which targets are treated: those that follow each other look at
+// the same few kilobytes of particles. Into `sort`.
 template <class S, int D>
 void sort_by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targets, int threads,
                     CountingSort& sort) {

@@ -47,7 +47,8 @@ class CellGather {
 
   explicit CellGather(const SharedByTargets<S, D>& shared)
       : shared_(shared), images_(shared.domain, shared.particles.box()) {
-    // Candidates too many have to be sorted out; neighbours are what a radius asks for.
+    // For the k nearest, particles found beyond k must be sorted out: they cost extra. For a
+    // radius, what is found is the result, and does not count as wasted work.
     out_.work_per_found = shared.question.nearest ? 12 : -16;
     make_room(512);
   }

@@ -43,8 +43,8 @@ static inline std::int64_t row_of_cells(const std::int64_t* counts, std::int64_t
   return (band * counts[2] + k * height + in_band) * counts[0];
 }
 
-// What was gathered, and room for more. Work is counted in candidates looked at; a row of cells
-// counts like work_of_a_row of them.
+// The particles gathered so far, and room for more. Work is counted in candidates looked at; a row
+// of cells counts like work_of_a_row of them.
 inline constexpr std::int64_t work_of_a_row = 16;
 template <class S>
 struct Gathered {
@@ -52,7 +52,7 @@ struct Gathered {
   std::uint32_t* index;
   std::int64_t count = 0, capacity = 0;
   std::int64_t work = 0, work_limit = INT64_MAX;
-  std::int64_t work_per_found = 0;  // what each particle found adds to the work, or excuses
+  std::int64_t work_per_found = 0;  // added to the work for each particle found; may be negative
 };
 enum class GatherResult { complete, no_room, too_much_work };
 

@@ -28,8 +28,9 @@ namespace recon::detail {
 // Is this a question that find_by_cells answers? (There must be a particle, too.)
 bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options);
 
-// Into `list`, whose memory is used again. With `in_order` the targets follow each other in space as they are
-// (sort_by_bricks in all_targets.hpp). False, and the list unchanged, where the cloud is refused.
+// Into `list`, whose memory is used again. With `in_order` the targets follow each other in space
+// as they are (sort_by_bricks in all_targets.hpp). False, and the list unchanged, where the cloud
+// is refused.
 template <int D, class Scalar>
 bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& targets,
                    const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,

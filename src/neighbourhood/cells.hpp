@@ -50,8 +50,8 @@ class Cells {
   Cells(const Cells&) = delete;
   Cells& operator=(const Cells&) = delete;
 
-  // Sorts the points anew, into the memory that there is. Throws InvalidArgument for a cell size that is
-  // not positive and finite.
+  // Sorts the points anew, into the memory that there is. Throws InvalidArgument for a cell size
+  // that is not positive and finite.
   void build(const PointCloud<S>& cloud, double cell_size, int threads) {
     require(cell_size > 0 && std::isfinite(cell_size), "cell_size", cell_size,
             "must be positive and finite");
@@ -91,7 +91,8 @@ class Cells {
     view_.first = sort_.first().data();
   }
 
-  // From now on particles are numbered by their places; those in order() keep the numbers that they had.
+  // From now on particles are numbered by their places; those in order() keep the numbers that they
+  // had.
   void number_by_place() {
     for (std::size_t p = 0; p < particles_; ++p) index_[p] = static_cast<ParticleIndex>(p);
   }

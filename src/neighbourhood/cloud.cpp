@@ -9,6 +9,8 @@
 
 namespace recon {
 
+using detail::require;
+
 void SourcesOptions::validate() const {
   for (const double factor : stretch)
     require(std::isfinite(factor) && factor > 0, "stretch", factor, "must be positive and finite");

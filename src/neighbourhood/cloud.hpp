@@ -1,8 +1,8 @@
 // What Sources own: particles in the order of cells, and the searches over them.
 //
-// Inside the library a particle is numbered by its place in that order; caller_of() and place_of() translate.
-// Coordinates are divided by the stretch, in which an anisotropic support is a ball or a cube, and wrapped
-// into the periodic domain.
+// Inside the library a particle is numbered by its place in that order; caller_of() and place_of()
+// translate. Coordinates are divided by the stretch, in which an anisotropic support is a ball or a
+// cube, and wrapped into the periodic domain.
 #pragma once
 
 #include <memory>
@@ -48,7 +48,8 @@ class Cloud {
   // The order in which targets follow each other in space.
   void order(const PointCloud<Scalar>& targets, int threads, CountingSort& sort) const;
 
-  // Neighbours in numbers of places, of targets in the coordinates of the cloud; see find_with_index().
+  // Neighbours in numbers of places, of targets in the coordinates of the cloud; see
+  // find_with_index().
   void find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
             const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list) const;
 

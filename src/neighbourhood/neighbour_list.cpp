@@ -6,6 +6,10 @@
 
 namespace recon {
 
+namespace {
+using detail::require;
+}  // namespace
+
 template <class Scalar>
 void NeighbourList<Scalar>::validate(std::size_t target_count, std::size_t particle_count) const {
   require(offsets.size() == target_count + 1, "number of offsets", offsets.size(),

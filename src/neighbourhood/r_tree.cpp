@@ -11,6 +11,8 @@ namespace recon {
 
 namespace {
 
+using detail::require;
+
 namespace bg = boost::geometry;
 namespace bgi = boost::geometry::index;
 

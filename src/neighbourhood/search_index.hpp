@@ -1,6 +1,7 @@
 // The searches over one cloud: each is built when it is first asked for, and kept.
 //
-// Safe to ask from several threads. A grid of cells or a tree stays alive for as long as somebody holds it.
+// Safe to ask from several threads. A grid of cells or a tree stays alive for as long as somebody
+// holds it.
 #pragma once
 
 #include <atomic>
@@ -27,8 +28,8 @@ class SearchIndex {
 
   const PointCloud<S>& cloud() const { return cloud_; }
 
-  // Puts in place of all searches the cells that the cloud has been ordered by: particle p is the one at place
-  // p of them.
+  // Puts in place of all searches the cells that the cloud has been ordered by: particle p is the
+  // one at place p of them.
   void start_anew(std::shared_ptr<const Grid> ordered) {
     const std::lock_guard lock(mutex_);
     grid_ = std::move(ordered);
@@ -62,8 +63,8 @@ class SearchIndex {
   std::shared_ptr<const RTree<S, D>> r_tree() { return kept(r_tree_); }
   std::shared_ptr<const BruteForce<S, D>> brute_force() { return kept(brute_force_); }
 
-  // Targets that cells serve badly are left to the k-d tree, once they have cost as much without it as
-  // building it does. Work is counted as in cell_kernel.hpp.
+  // Targets that cells serve badly are left to the k-d tree, once they have cost as much without it
+  // as building it does. Work is counted as in cell_kernel.hpp.
   void add_hard_work(std::int64_t work) { paid_.fetch_add(work, std::memory_order_relaxed); }
   bool tree_is_worthwhile() const {
     return has_tree_ || paid_.load(std::memory_order_relaxed) >=

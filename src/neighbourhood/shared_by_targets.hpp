@@ -50,7 +50,7 @@ struct SearchKernels {
   decltype(&generic::gather_ball<S, D>) gather;
   decltype(&generic::ranks<S>) rank_distances;
   decltype(&generic::ranks<std::uint32_t>) rank_indices;
-  std::size_t most_ranked;  // sorting is faster beyond
+  std::size_t most_ranked;  // beyond this number sorting is faster than ranks()
 
   SearchKernels(InstructionSet set, SupportShape shape, bool nearest)
       : gather(shape == SupportShape::cube && !nearest ? RECON_DISPATCH(set, gather_cube<S, D>)

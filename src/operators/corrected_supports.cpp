@@ -1,4 +1,5 @@
-// Supports that a fit corrects: those of targets too far from all particles, too small for the degree, or empty.
+// Supports that a fit corrects: those of targets too far from all particles, too small for the
+// degree, or empty.
 #include <algorithm>
 #include <cmath>
 

@@ -15,6 +15,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 constexpr std::size_t rows_per_block = 1024;
 
 [[noreturn]] void throw_not_finite(std::size_t point, int component, double value) {
@@ -186,8 +188,8 @@ std::vector<detail::DataRange<Scalar>> ranges_of(const FieldView<Scalar>& field,
   return ranges;
 }
 
-// One product of an operator and a field: rows in blocks, each with as few branches as its numbers of blocks
-// and components allow.
+// One product of an operator and a field: rows in blocks, each with as few branches as its numbers
+// of blocks and components allow.
 template <class Scalar>
 class Product {
  public:
@@ -282,7 +284,8 @@ class Product {
     for (int i = 0; i < width; ++i) out_(t, i) = sums[i];
   }
 
-  // Names the number of the field that is not finite; else the sum has left the range of numbers on its way.
+  // Names the number of the field that is not finite; else the sum has left the range of numbers on
+  // its way.
   [[gnu::noinline]] void mend(std::size_t row, std::size_t t, Scalar* sums, int width) const {
     const std::int64_t first = offsets_[row], last = offsets_[row + 1];
     for (std::int64_t e = first; e < last; ++e)

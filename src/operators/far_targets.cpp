@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t targets_per_block = 256;
 
-// Of a target: the nearest particle, how far it is, and a distance that the local spacing there is known to
-// reach (0: nothing is known).
+// Of a target: the nearest particle, how far it is, and a distance that the local spacing there is
+// known to reach (0: nothing is known).
 template <class Scalar>
 struct Nearness {
   ParticleIndex particle = 0;
@@ -90,8 +90,9 @@ class FarTargets {
     return sum;
   }
 
-  // From the target's list; nothing where another particle may be nearer than those in it. If the k-th is
-  // at a distance r, then fewer than k particles of a complete list are within r - distance of the nearest.
+  // From the target's list; nothing where another particle may be nearer than those in it. If the
+  // k-th is at a distance r, then fewer than k particles of a complete list are within r - distance
+  // of the nearest.
   Nearness<Scalar> nearness_in_list(std::size_t t, const NeighbourList<Scalar>& list, bool complete,
                                     std::vector<Scalar>& squares) const {
     Nearness<Scalar> near;
@@ -132,7 +133,8 @@ class FarTargets {
                          std::sqrt(square(offset(at, i, list, list.offsets[i]))), 0};
   }
 
-  // The local spacings at some particles; where there are too few others, the distance to the farthest.
+  // The local spacings at some particles; where there are too few others, the distance to the
+  // farthest.
   std::vector<Scalar> spacings_at(const std::vector<std::size_t>& chosen) const {
     NeighbourOptions all = search_;
     all.visible = {};
@@ -154,7 +156,8 @@ class FarTargets {
     return spacings;
   }
 
-  // From the nearest of a particle, by distance. False where they are too few; then the farthest distance.
+  // From the nearest of a particle, by distance. False where they are too few; then the farthest
+  // distance.
   bool spacing_in_list(const PointCloud<Scalar>& at, std::size_t t,
                        const NeighbourList<Scalar>& list, Scalar& spacing) const {
     std::vector<Offset> same;  // places at the present distance

@@ -1,9 +1,9 @@
-// What a reconstruction keeps: whom it asks (the cloud), what was asked (options, targets), and what derivatives
-// need later.
+// What a reconstruction keeps: whom it asks (the cloud), what was asked (options, targets), and
+// what derivatives need later.
 //
-// Targets are put in an order in which those that follow each other are close in space: all work then finds what
-// it needs in the cache. Here "target" means a number in that order and "particle" a place in the cloud; the
-// pattern that make_pattern() leaves speaks of the caller's particles.
+// Targets are put in an order in which those that follow each other are close in space: all work
+// then finds what it needs in the cache. Here "target" means a number in that order and "particle"
+// a place in the cloud; the pattern that make_pattern() leaves speaks of the caller's particles.
 #pragma once
 
 #include <memory>
@@ -23,12 +23,13 @@ class FitProblem {
   // Throws InvalidArgument for options outside their range.
   FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const Options& options);
 
-  // Takes the targets, and with them a rule that replaces that of the options for good, or neighbours of the
-  // caller's. Throws InvalidArgument for what is wrong with them, and then leaves all as it was.
+  // Takes the targets, and with them a rule that replaces that of the options for good, or
+  // neighbours of the caller's. Throws InvalidArgument for what is wrong with them, and then leaves
+  // all as it was.
   void take(const PointsView<Scalar>& targets, const NeighbourRule* rule);
   void take(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours);
-  // Finds the neighbours of the targets taken and fits, into the memory of older values and of a pattern that
-  // nobody else holds.
+  // Finds the neighbours of the targets taken and fits, into the memory of older values and of a
+  // pattern that nobody else holds.
   void fit(Array<Scalar> values);
 
   const Options& options() const { return options_; }

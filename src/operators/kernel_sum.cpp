@@ -42,37 +42,37 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
   double unit = integral;
   for (int d = 0; d < dimension; ++d) unit *= cloud.stretch()[d];
   values.resize(list.indices.size());
-  parallel_blocks(list.targets(), targets_per_block, options.threads,
-                  [&](std::size_t begin, std::size_t end) {
-                    std::vector<Scalar> q;
-                    for (std::size_t t = begin; t < end; ++t) {
-                      const std::int64_t first = list.offsets[t];
-                      const auto count = static_cast<std::size_t>(list.count(t));
-                      Scalar* const w = values.data() + first;
-                      const auto factor = static_cast<Scalar>(
-                          1 / (unit * std::pow(static_cast<double>(list.support[t]), dimension)));
-                      // Radial: q is |x_p - x| / rho; tensor product: one factor for each axis.
-                      q.assign(count, Scalar(0));
-                      std::fill_n(w, count, factor);
-                      for (int d = 0; d < dimension; ++d) {
-                        for (std::size_t i = 0; i < count; ++i) {
-                          const std::size_t e = static_cast<std::size_t>(first) + i;
-                          Scalar along = particles(list.indices[e], d) - targets(t, d);
-                          if (!list.shifts.empty())
-                            along += static_cast<Scalar>(list.shifts[e][d]) * cloud.domain().period(d);
-                          along /= list.support[t];
-                          q[i] = radial ? q[i] + along * along : std::abs(along);
-                        }
-                        if (radial) continue;
-                        options.weight.evaluate(q.data(), q.data(), nullptr, count);
-                        for (std::size_t i = 0; i < count; ++i) w[i] *= q[i];
-                      }
-                      if (!radial) continue;
-                      for (Scalar& square : q) square = std::sqrt(square);
-                      options.weight.evaluate(q.data(), q.data(), nullptr, count);
-                      for (std::size_t i = 0; i < count; ++i) w[i] *= q[i];
-                    }
-                  });
+  parallel_blocks(
+      list.targets(), targets_per_block, options.threads, [&](std::size_t begin, std::size_t end) {
+        std::vector<Scalar> q;
+        for (std::size_t t = begin; t < end; ++t) {
+          const std::int64_t first = list.offsets[t];
+          const auto count = static_cast<std::size_t>(list.count(t));
+          Scalar* const w = values.data() + first;
+          const auto factor = static_cast<Scalar>(
+              1 / (unit * std::pow(static_cast<double>(list.support[t]), dimension)));
+          // Radial: q is |x_p - x| / rho; tensor product: one factor for each axis.
+          q.assign(count, Scalar(0));
+          std::fill_n(w, count, factor);
+          for (int d = 0; d < dimension; ++d) {
+            for (std::size_t i = 0; i < count; ++i) {
+              const std::size_t e = static_cast<std::size_t>(first) + i;
+              Scalar along = particles(list.indices[e], d) - targets(t, d);
+              if (!list.shifts.empty())
+                along += static_cast<Scalar>(list.shifts[e][d]) * cloud.domain().period(d);
+              along /= list.support[t];
+              q[i] = radial ? q[i] + along * along : std::abs(along);
+            }
+            if (radial) continue;
+            options.weight.evaluate(q.data(), q.data(), nullptr, count);
+            for (std::size_t i = 0; i < count; ++i) w[i] *= q[i];
+          }
+          if (!radial) continue;
+          for (Scalar& square : q) square = std::sqrt(square);
+          options.weight.evaluate(q.data(), q.data(), nullptr, count);
+          for (std::size_t i = 0; i < count; ++i) w[i] *= q[i];
+        }
+      });
 }
 
 }  // namespace

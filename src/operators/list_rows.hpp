@@ -15,8 +15,8 @@ PointCloud<Scalar> subset(const PointCloud<Scalar>& points,
   return points.permuted(std::vector<std::uint32_t>(chosen.begin(), chosen.end()));
 }
 
-// The list in which target rows[i] (ascending) has the neighbours and the support of target i of `other`
-// where take[i].
+// The list in which target rows[i] (ascending) has the neighbours and the support of target i of
+// `other` where take[i].
 template <class Scalar>
 NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
                                 const std::vector<std::size_t>& rows,

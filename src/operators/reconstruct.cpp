@@ -5,6 +5,8 @@
 namespace recon {
 namespace {
 
+using detail::require;
+
 template <class Scalar>
 std::shared_ptr<const detail::Cloud<Scalar>> cloud_of(const BasicSources<Scalar>& sources,
                                                       const Options& options) {

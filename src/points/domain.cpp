@@ -4,10 +4,14 @@
 
 namespace recon {
 
+namespace detail {
+
 std::string coordinate_name(std::size_t point, int axis, const char* points) {
   return std::string("coordinate ") + "xyz"[axis] + " of point " + std::to_string(point) +
          " of the " + points;
 }
+
+}  // namespace detail
 
 template <class Scalar>
 Box<Scalar> bounding_box(const PointsView<Scalar>& points, const char* name) {
@@ -17,7 +21,7 @@ Box<Scalar> bounding_box(const PointsView<Scalar>& points, const char* name) {
     for (int d = 0; d < dimension; ++d) {
       const Scalar x = points(i, d);
       if (!std::isfinite(x))
-        detail::throw_invalid(coordinate_name(i, d, name), x, "must be finite");
+        detail::throw_invalid(detail::coordinate_name(i, d, name), x, "must be finite");
       box.add(d, x);
     }
   return box;

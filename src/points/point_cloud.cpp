@@ -10,6 +10,9 @@
 namespace recon {
 namespace {
 
+using detail::coordinate_name;
+using detail::require;
+
 constexpr std::size_t points_per_block = 16384, most_blocks = 256;
 
 }  // namespace

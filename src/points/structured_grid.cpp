@@ -7,6 +7,8 @@ namespace recon {
 
 namespace {
 
+using detail::require;
+
 constexpr double most_nodes = 4294967294.0;  // 2^32 - 2: node numbers are 32-bit
 
 }  // namespace

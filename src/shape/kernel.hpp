@@ -39,7 +39,7 @@ class Kernel final : public ShapeKernel<Scalar> {
   }
 
  private:
-  // One target after another.
+  // Treats one target after another.
   class Single {
    public:
     explicit Single(const ShapeChoice& choice)

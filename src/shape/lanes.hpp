@@ -1,8 +1,8 @@
 // Shape functions of several targets side by side, one in each lane, for each instruction set.
 //
-// Only what is regular is done here; the rest is left to the kernel for single targets
+// Only regular targets are treated here; the others are left to the kernel for single targets
 // (kernel.hpp). Plain arrays in and out: the files compiled for an instruction set share no types
-// with the rest of the library that could bring code along (core/dispatch.hpp).
+// with the rest of the library whose code they might instantiate (core/dispatch.hpp).
 #pragma once
 
 #include <array>
@@ -47,7 +47,7 @@ using LaneFunction = void (*)(const LaneTask<Scalar>& task);
 
 namespace recon {
 
-// Null where there is none: for the solvers that work on single targets only.
+// The function for a degree and solver; null for solvers that work on single targets only.
 RECON_FOR_EACH_SET(template <class Scalar, int D> detail::LaneFunction<Scalar> lane_function(
     int degree, Solver solver))
 

@@ -31,7 +31,7 @@ class Lanes {
         slopes_(task.rows.gradient && task.rows.kind == Derivative::exact),
         fit_(task.tolerances) {}
 
-  // Arrays of packs are arrays of numbers to a weight function.
+  // A weight function takes arrays of packs as arrays of numbers.
   struct Weights {
     const detail::LaneTask<Scalar>& task;
     void evaluate(const T* q, T* w, T* slope, int n) const {
@@ -40,14 +40,14 @@ class Lanes {
     }
   };
 
-  // Asks for the particles of the targets i, i + 1, ..., to arrive while others are worked on.
+  // Prefetches the particles of the targets i, i + 1, ... while others are worked on.
   void fetch(std::size_t i) {
     const std::size_t end = i + lanes < task_.end ? i + lanes : task_.end;
     for (std::int64_t e = i < end ? task_.offsets[i] : 0; i < end && e < task_.offsets[end]; ++e)
       __builtin_prefetch(task_.particles + std::size_t{task_.indices[e]} * D);
   }
 
-  // Targets number i, i + 1, ...: as many as there are lanes, or as are left.
+  // Treats the targets i, i + 1, ...: as many as there are lanes, or as are left.
   void group(std::size_t i) {
     const int used = static_cast<int>(task_.end - i < std::size_t{lanes} ? task_.end - i : lanes);
     int most = 0;
@@ -74,8 +74,8 @@ class Lanes {
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
     MaskOf<T> safe = fit_.fit(cloud);
-    if (any_lane(safe)) safe = safe && fit_.gradient_resolved();
-    if (!any_lane(safe)) return;
+    if (detail::any_lane(safe)) safe = safe && fit_.gradient_resolved();
+    if (!detail::any_lane(safe)) return;
 
     values_.resize(static_cast<std::size_t>(most) * detail::jet_size(D));
     const auto out = ShapeArrays<T, D>::in(values_.data(), most, task_.rows.kind,

@@ -4,6 +4,10 @@
 
 namespace recon {
 
+namespace {
+using detail::require;
+}  // namespace
+
 void Options::validate() const {
   require(degree >= 0 && degree <= 4, "degree", degree, "must be 0 to 4");
   require(max_distance > 0, "max_distance", max_distance, "must be positive (infinity: no limit)");

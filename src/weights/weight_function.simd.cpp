@@ -12,8 +12,8 @@ void evaluate(const void*, const Scalar* q, Scalar* w, Scalar* slope, std::size_
   constexpr auto aligned = std::experimental::element_aligned;
   const auto both = [&](const auto& x, auto&& store) {
     using X = std::remove_cvref_t<decltype(x)>;
-    store(select(x < X(1), X(W{}(x)), X(0)), w);
-    if (slope) store(select(x < X(1), X(W{}.derivative(x)), X(0)), slope);
+    store(detail::select(x < X(1), X(W{}(x)), X(0)), w);
+    if (slope) store(detail::select(x < X(1), X(W{}.derivative(x)), X(0)), slope);
   };
   std::size_t i = 0;
   for (; i + T::size() <= n; i += T::size())

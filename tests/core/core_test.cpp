@@ -12,9 +12,9 @@ namespace recon {
 namespace {
 
 TEST(Error, NamesArgumentValueAndRule) {
-  require(true, "a", 1, "unused");
+  detail::require(true, "a", 1, "unused");
   try {
-    require(false, "radius", -0.1, "must be positive");
+    detail::require(false, "radius", -0.1, "must be positive");
     FAIL();
   } catch (const InvalidArgument& error) {
     EXPECT_STREQ(error.what(), "radius = -0.10000000000000001: must be positive");

@@ -21,10 +21,10 @@ TYPED_TEST(Packs, SelectTakesEachLaneByItself) {
       at[l] = static_cast<TypeParam>(l);
     }
     const auto mask = at == P(TypeParam(chosen));
-    EXPECT_TRUE(recon::any_lane(mask));
-    EXPECT_EQ(recon::all_lanes(mask), lanes == 1);
-    const P one = recon::select(mask, a, b), small = recon::smaller(a, b),
-            large = recon::larger(b, a);
+    EXPECT_TRUE(recon::detail::any_lane(mask));
+    EXPECT_EQ(recon::detail::all_lanes(mask), lanes == 1);
+    const P one = recon::detail::select(mask, a, b), small = recon::detail::smaller(a, b),
+            large = recon::detail::larger(b, a);
     for (int l = 0; l < lanes; ++l) {
       EXPECT_EQ(static_cast<TypeParam>(one[l]), l == chosen ? 10 + l : -10 - l);
       EXPECT_EQ(static_cast<TypeParam>(small[l]), -10 - l);

@@ -19,8 +19,9 @@ TEST(Sums, ShortOnesArePlain) {
   EXPECT_EQ(detail::sum_of<float>(0, [&](int i) { return terms[i]; }), 0.0f);
 }
 
-// A plain sum of these floats is off by more than one part in a hundred. Equal terms are the worst that
-// can be: all blocks err to the same side, but by no more than half a rounding of each of their terms.
+// A plain sum of these floats is off by more than one part in a hundred. Equal terms are the
+// worst that can be: all blocks err to the same side, but by no more than half a rounding of each
+// of their terms.
 TEST(Sums, LongOnesLoseNoMore) {
   const int count = 10'000'000;
   for (const float term : {0.1f, 0.7f, 1.0f / 3}) {

@@ -1,5 +1,5 @@
-// What every reader of particles must do with any bytes: frames and tables, or an error that says
-// what is wrong.
+// What every reader of particles must do with any bytes: frames and tables, or an error that
+// says what is wrong.
 #pragma once
 
 #include <cstdlib>

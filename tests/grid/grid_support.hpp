@@ -1,5 +1,5 @@
-// What the tests of the room share: data on clouds, grids over them, and the comparison with
-// reconstruct().
+// What the tests of the room share: data on clouds, grids over them, and the comparison
+// with reconstruct().
 #pragma once
 
 #include <gtest/gtest.h>

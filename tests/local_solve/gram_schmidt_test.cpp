@@ -40,8 +40,8 @@ template <class C>
 class GramSchmidtFit : public ::testing::Test {};
 TYPED_TEST_SUITE(GramSchmidtFit, AllCases, CaseNames);
 
-// Q^T Q = I to rounding on every cloud, however degenerate: what is not independent has been
-// dropped.
+// Q^T Q = I to rounding on every cloud, however degenerate: what is not independent
+// has been dropped.
 TYPED_TEST(GramSchmidtFit, KeptColumnsAreOrthonormal) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
@@ -63,8 +63,8 @@ TYPED_TEST(GramSchmidtFit, KeptColumnsAreOrthonormal) {
   }
 }
 
-// One dependent term among six: five are kept, the quadratic block loses one direction, nothing
-// else.
+// One dependent term among six: five are kept, the quadratic block loses one
+// direction, nothing else.
 TEST(GramSchmidt, DropsExactlyTheDependentDirection) {
   const auto circle = sphere_points<double, 2>(40, 0.4, 1);  // x^2 + y^2 depends on 1, x, y
   const Offsets<double, 2> offsets(circle);
@@ -97,8 +97,8 @@ TEST(GramSchmidt, RankOfKnownClouds) {
   EXPECT_EQ(rank(duplicated_points<double, 2>(4, 9, 1), Monomials<2, 3>{}), 4);
 }
 
-// The square of the ratio of the extreme singular values of the weighted basis, columns scaled to one
-// length: the reciprocal condition number of the moment matrix scaled to unit diagonal.
+// The square of the ratio of the extreme singular values of the weighted basis, columns scaled to
+// one length: the reciprocal condition number of the moment matrix scaled to unit diagonal.
 template <class B, class T>
 double reciprocal_condition(const LocalCloud<T, B::dimension>& cloud) {
   Eigen::MatrixXd a(cloud.size, B::size);
@@ -163,8 +163,8 @@ TYPED_TEST(LongDouble, GramSchmidtIsAccurate) {
           });
       const auto& shape = shapes.at(target, 0.5, std::span<const ParticleIndex>(all),
                                     [&](ParticleIndex p) { return cloud.points[p]; });
-      // Rounded coordinates may put particles a hair off the line or plane that they were meant
-      // for.
+      // Rounded coordinates may put particles a hair off the line or plane that they
+      // were meant for.
       if (shape.report.rank != expected.report.rank) {
         EXPECT_LT(std::min(shape.report.smallest_pivot, expected.report.smallest_pivot), 1e-20f)
             << cloud.name;

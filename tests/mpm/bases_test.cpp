@@ -83,8 +83,8 @@ TYPED_TEST(Bases, GradientsAreSlopesOfTheValues) {
   });
 }
 
-// Exactly on an edge of a cell, or by rounding beside it, a node that sees a gradient has some of the
-// point's mass: the force on it would have nothing to push otherwise.
+// Exactly on an edge of a cell, or by rounding beside it, a node that sees a gradient has some of
+// the point's mass: the force on it would have nothing to push otherwise.
 TYPED_TEST(Bases, NodesWithASlopeHaveAValueOnEdges) {
   constexpr int D = TypeParam::value;
   const Grid<D> grid = unit_grid<D>(4);

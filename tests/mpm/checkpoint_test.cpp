@@ -388,8 +388,8 @@ TEST_F(MpmCheckpoint, SlowManyChangedCopiesDoNotCrash) {
   std::exit(0);
 }
 
-// An error, the old checkpoint whole, nothing left beside it, and an orderly end of the HDF5
-// library.
+// An error, the old checkpoint whole, nothing left beside it, and an orderly end of
+// the HDF5 library.
 TEST_F(MpmCheckpoint, AFullDiskLeavesTheOldOne) {
   for (const rlim_t limit : {rlim_t{100}, rlim_t{1500}, rlim_t{3000}, rlim_t{5000}}) {
     EXPECT_EXIT(write_with_limit(path(), limit), testing::ExitedWithCode(7), "") << limit;

@@ -96,8 +96,8 @@ TYPED_TEST(Domains, Cpdi2OfAParallelepipedIsCpdi1) {
   }
 }
 
-// A box keeps its reference edges (ugimp), or stretches them by the diagonal of F (cpgimp); edges that
-// are not along the axes count with the box about them. Both are then the box of those edges.
+// A box keeps its reference edges (ugimp), or stretches them by the diagonal of F (cpgimp); edges
+// that are not along the axes count with the box about them. Both are then the box of those edges.
 TYPED_TEST(Domains, BoxesAreKeptOrStretched) {
   constexpr int D = TypeParam::value;
   std::mt19937 random(6);
@@ -158,8 +158,8 @@ TYPED_TEST(Domains, VolumesAreOfNow) {
   check(Cpdi2{}, "cpdi2");
 }
 
-// Corners follow a linear velocity field exactly, also beyond the grid, and x is their centroid: of a
-// cell cut in simplices the mean of theirs, weighted by area.
+// Corners follow a linear velocity field exactly, also beyond the grid, and x is their centroid: of
+// a cell cut in simplices the mean of theirs, weighted by area.
 TEST(Cpdi2Move, CornersFollowTheGridAndTheParticleItsCentroid) {
   const Grid<2> grid(Vector<2>(0, 0), Vector<2>(1, 1), 0.25);
   Matrix<2> slope;

@@ -656,8 +656,8 @@ TYPED_TEST(SlopeMaps, ApicCarriesTheSlope) {
   }
 }
 
-// Random velocities and slopes: the nodes have the momentum of the particles, for what the slopes add
-// vanishes in the sum over nodes: sum_i S_ip (x_i - x_p) = 0.
+// Random velocities and slopes: the nodes have the momentum of the particles, for what the slopes
+// add vanishes in the sum over nodes: sum_i S_ip (x_i - x_p) = 0.
 TYPED_TEST(SlopeMaps, KeepMomentum) {
   constexpr int D = TypeParam::value;
   for (const char* name : {"improved_projection", "tpic", "apic", "mls_mpm", "polypic"}) {
@@ -699,8 +699,7 @@ TYPED_TEST_SUITE(Turning, PlaneAndSpace);
 
 // Jiang et al. 2015: with the affine part, sum m (x cross v + B), angular momentum is conserved
 // from particles to nodes, by nodes, and back; without it PIC loses it. PolyPIC has the same linear
-// part.
-// Nodes lighter than 1e-10 of the heaviest feel no force, which is accounted for.
+// part. Nodes lighter than 1e-10 of the heaviest feel no force, which is accounted for.
 TYPED_TEST(Turning, ApicConservesAngularMomentum) {
   constexpr int D = TypeParam::value;
   const auto worst = [](const Method& method, bool& collided) {

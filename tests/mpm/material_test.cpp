@@ -58,8 +58,8 @@ TYPED_TEST(Materials, SmallStrainIsHookes) {
   EXPECT_NEAR(hyper_energy, hypo_energy, 1e-3 * hypo_energy);
 }
 
-// Pulled to F = a I the stress is (D lambda + 2 mu) ln a, and its work per reference volume the integral
-// of a^D tr(sigma) da / a: J counts.
+// Pulled to F = a I the stress is (D lambda + 2 mu) ln a, and its work per reference volume the
+// integral of a^D tr(sigma) da / a: J counts.
 TYPED_TEST(Materials, EnergyIsTheWorkPerReferenceVolume) {
   constexpr int D = TypeParam::value;
   const LinearElastic material{Lame::from(100, 0.3)};
@@ -78,7 +78,8 @@ TYPED_TEST(Materials, EnergyIsTheWorkPerReferenceVolume) {
   }
 }
 
-// A body that does not strain along z: what is said of sigma_zz is what the same material has in 3-D.
+// A body that does not strain along z: what is said of sigma_zz is what the same
+// material has in 3-D.
 TYPED_TEST(Materials, StressOutOfPlaneIsThatOfThreeDimensions) {
   constexpr int D = TypeParam::value;
   if constexpr (D < 3) {

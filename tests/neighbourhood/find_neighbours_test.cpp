@@ -167,8 +167,8 @@ TYPED_TEST(FindNeighbours, EqualsTheReferenceForEverySearchRuleAndShape) {
   }
 }
 
-// Periods 1 and 1.5, the third axis open; supports of up to 2.3 periods, more neighbours than
-// particles.
+// Periods 1 and 1.5, the third axis open; supports of up to 2.3 periods, more neighbours
+// than particles.
 template <class Scalar>
 PeriodicDomain<Scalar> box_domain(int dimension) {
   PeriodicDomain<Scalar> domain;

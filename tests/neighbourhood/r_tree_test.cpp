@@ -1,5 +1,5 @@
-// Particles that come, go and move: after every change the R-tree equals brute force over those
-// alive.
+// Particles that come, go and move: after every change the R-tree equals brute force
+// over those alive.
 #include "recon/neighbourhood/r_tree.hpp"
 
 #include <gtest/gtest.h>

@@ -135,8 +135,8 @@ TYPED_TEST(Search, EqualsBruteForceWhereSquaresUnderflow) {
   }
 }
 
-// A node of a lattice: the second nearest is shared by 2 D nodes, and the one with the smallest
-// index wins.
+// A node of a lattice: the second nearest is shared by 2 D nodes, and the one with the
+// smallest index wins.
 TYPED_TEST(Search, TiesGoToTheSmallerIndex) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;

@@ -1,5 +1,5 @@
-// Gradients: exact ones against finite differences, both kinds against polynomials, unresolved
-// directions.
+// Gradients: exact ones against finite differences, both kinds against polynomials,
+// unresolved directions.
 #include <gtest/gtest.h>
 
 #include "recon/recon.hpp"

@@ -1,5 +1,5 @@
-// Every instruction set that this processor has, forced: right by itself, and lanes that do not see
-// each other.
+// Every instruction set that this processor has, forced: right by itself, and lanes that do not
+// see each other.
 #include <gtest/gtest.h>
 
 #include <algorithm>

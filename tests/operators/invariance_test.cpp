@@ -42,8 +42,8 @@ void expect_same(const BasicReconstruction<Scalar>& a, const BasicReconstruction
   for (std::size_t t = 0; t < a.values().rows(); ++t) {
     const FitReport &ra = a.report()[t], &rb = b.report()[t];
     // Above degree 1 the rounding counts relative to the least extent of the particles, which is
-    // about degree^2 over the amplification of the gradient; the tenth of `resolution` is the fit's
-    // own margin.
+    // about degree^2 over the amplification of the gradient; the tenth of `resolution` is the
+    // fit's own margin.
     const double extent =
         1 / std::max({1.0f, ra.gradient_amplification, rb.gradient_amplification});
     const double thin = std::max(resolution, 0.1 * resolution / extent);
@@ -83,9 +83,8 @@ TYPED_TEST(Invariance, Translation) {
   const double shift = single ? 128 : 1e6;
   for (auto cloud : hostile_clouds<Scalar, D>()) {
     // Fine structure needs a fine unit, which float does not have; on it a sphere is one up to
-    // rounding only.
-    // At 1e6 the rounding of a coordinate is 1e-4 of such a cluster: curvature across it is not
-    // resolved.
+    // rounding only. At 1e6 the rounding of a coordinate is 1e-4 of such a cluster: curvature
+    // across it is not resolved.
     const int highest = cloud.name == "clustered at 1e-6" ? 1 : 3;
     const bool fine = cloud.name == "clustered at 1e-6" || cloud.name == "almost flat";
     if (fine && single) continue;

@@ -175,7 +175,7 @@ TEST(Limit, ThreeParticlesCloseTogether) {
   EXPECT_EQ(count.components, (std::vector<std::uint32_t>{0, 0, 0}));
 }
 
-// ---- Targets that are too far ----------------------------------------------------------------------
+// ---- Targets that are too far -------------------------------------------------------------------
 
 template <class C>
 class TooFar : public ::testing::Test {};

@@ -41,8 +41,8 @@ class ParticleWeights : public ::testing::Test {};
 TYPED_TEST_SUITE(ParticleWeights, AllCases, CaseNames);
 
 // A particle of weight 3 counts as three particles at its place: for every solver, form,
-// instruction set, across periods, and whether or not the cloud is sorted (it is from 512 particles
-// on).
+// instruction set, across periods, and whether or not the cloud is sorted (it is from
+// 512 particles on).
 TYPED_TEST(ParticleWeights, CountLikeCopies) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;

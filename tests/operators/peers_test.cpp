@@ -91,9 +91,9 @@ TYPED_TEST(PeerFailures, FewerNeighboursThanTerms) {
       }
 }
 
-// Degree 1 with about as many neighbours as a careless default gives, on random clouds: errors of
-// 0.64 (11 neighbours in 3-D) and of 1e2 (k = number of terms) have been seen on a function of
-// size 1.
+// Degree 1 with about as many neighbours as a careless default gives, on random clouds:
+// errors of 0.64 (11 neighbours in 3-D) and of 1e2 (k = number of terms) have been seen on a
+// function of size 1.
 TYPED_TEST(PeerFailures, FewNeighboursOnRandomCloudsStayBounded) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;

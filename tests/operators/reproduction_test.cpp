@@ -62,8 +62,8 @@ TYPED_TEST(Reproduction, EveryWeightOnEveryCloudWithNearest) {
   }
 }
 
-// Well-spread clouds keep their full degree and a moderate Lebesgue constant: the guards must not
-// bite there.
+// Well-spread clouds keep their full degree and a moderate Lebesgue constant: the guards must
+// not bite there.
 TYPED_TEST(Reproduction, WellSpreadCloudsAreFull) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;

@@ -1,4 +1,5 @@
-// Sources: whatever is asked of them is what is asked of the points, in every bit, also after an update.
+// Sources: whatever is asked of them is what is asked of the points, in every bit, also after an
+// update.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -132,7 +133,8 @@ TEST(Sources, NumberOfParticlesMayChange) {
   }
 }
 
-// Particles at one place keep the order of their numbers; all others stand where their positions say.
+// Particles at one place keep the order of their numbers; all others stand where their positions
+// say.
 TEST(Sources, TheOrderDependsOnPositionsAlone) {
   auto points = random_points<double, 3>(5000, 9);
   points[17] = points[3];
@@ -143,7 +145,8 @@ TEST(Sources, TheOrderDependsOnPositionsAlone) {
     return in_order;
   };
   const auto before = places(points);
-  // One particle after another in space, and in a cell by numbers: numbers sorted by x differ in the cells.
+  // One particle after another in space, and in a cell by numbers: numbers sorted by x differ in
+  // the cells.
   auto cells_of = [](auto list) {
     std::sort(list.begin(), list.end());
     return list;

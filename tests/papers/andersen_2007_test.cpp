@@ -13,8 +13,8 @@ Eigen::Vector3d hats(double x) {
   return Eigen::Vector3d(std::max(0.0, 1 - x), 1 - std::abs(x - 1), std::max(0.0, x - 1));
 }
 
-// (19), (20), (39): velocities change by sum_ij Phi_i(x_p) m_ij^-1 f_j. With Phi_j, as printed, a uniform
-// acceleration of the nodes is not that of the particles; only diagonal masses hide it.
+// (19), (20), (39): velocities change by sum_ij Phi_i(x_p) m_ij^-1 f_j. With Phi_j, as printed, a
+// uniform acceleration of the nodes is not that of the particles; only diagonal masses hide it.
 TEST(Andersen2007Equation19, TakesTheFunctionOfTheAcceleratedNode) {
   Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
   for (const double x : {0.1, 0.4, 0.8, 1.1, 1.7, 1.9}) M += hats(x) * hats(x).transpose();
@@ -36,8 +36,8 @@ TEST(Andersen2007Equation19, TakesTheFunctionOfTheAcceleratedNode) {
   }
 }
 
-// (33), (34) with the origin at the free end, x towards the clamp, y down, c half the height. Figure 1
-// has the origin at the clamp.
+// (33), (34) with the origin at the free end, x towards the clamp, y down, c half the height.
+// Figure 1 has the origin at the clamp.
 TEST(Andersen2007Equation33, HasItsOriginAtTheFreeEnd) {
   constexpr double L = 8, H = 1, c = H / 2, P = 100, E = 3e5, nu = 0.3, step = 1e-3;
   constexpr double G = E / (2 * (1 + nu)), I = 2 * c * c * c / 3;
@@ -63,8 +63,8 @@ TEST(Andersen2007Equation33, HasItsOriginAtTheFreeEnd) {
 }
 
 // (40): places change by dt sum_i (p_i / m_i) Phi_i, and p_i = m_i v_i where no force acts. On a
-// three-node element, with a particle beyond its quarter the mass of a node is negative: a translation is
-// exact all the same, for the signs of p_i and m_i cancel.
+// three-node element, with a particle beyond its quarter the mass of a node is negative: a
+// translation is exact all the same, for the signs of p_i and m_i cancel.
 TEST(Andersen2007Equation40, DividesByTheMassOfTheNode) {
   const auto functions = [](double xi) {
     return Eigen::Vector3d(xi * (xi - 1) / 2, 1 - xi * xi, xi * (xi + 1) / 2);

@@ -6,8 +6,8 @@
 //     all            every node
 //     but the ends   without the two end nodes
 //     full support   without the nodes whose support leaves the domain
-// A support of radius 2 h leaves the domain at two nodes on each side: leaving out one is not
-// enough.
+// A support of radius 2 h leaves the domain at two nodes on each side: leaving out
+// one is not enough.
 //
 // Numbers in the comments are measured. On equally spaced points they differ from the limits 1.5, 2
 // and 4 by up to 0.04 because of the coarsest meshes. On random points slopes of single clouds
@@ -143,8 +143,8 @@ struct SplineOfReach {
   Weight weight;
   int reach;
 };
-// The weight is not stated. Section 4.3.1 has the hat function of radius h, section 5.3 the cubic
-// of radius 2 h.
+// The weight is not stated. Section 4.3.1 has the hat function of radius h, section 5.3 the
+// cubic of radius 2 h.
 constexpr SplineOfReach hat{Weight::linear_b_spline, 1}, cubic{Weight::cubic_b_spline, 2};
 
 Study sine(int degree, SplineOfReach spline) {
@@ -160,8 +160,8 @@ Study sine_on_random_points(int degree, SplineOfReach spline) {
   return study;
 }
 
-// The figure says h^2. It is h^1.5 as soon as the end nodes count: there the error is of order h,
-// at two nodes.
+// The figure says h^2. It is h^1.5 as soon as the end nodes count: there the error is of order
+// h, at two nodes.
 TEST(Gong2015Figure53, DegreeZeroOnEquallySpacedPoints) {
   const Orders by_hat = orders(measure(sine(0, hat)));  // 1.491, 2.010, 2.010
   EXPECT_NEAR(by_hat.all, 1.5, 0.03);

@@ -1,7 +1,7 @@
 // Formulas and algorithms of Gong (2015) that have to be corrected, as printed and as it must be.
 //
-// The printed form is written out beside the corrected one: the tests say why recon computes what
-// it computes.
+// The printed form is written out beside the corrected one: the tests say why recon computes
+// what it computes.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -85,8 +85,8 @@ TEST(Gong2015Equation38, NeedsTheBasisAtZero) {
   }
 }
 
-// (3.14): with B = [w_1 P(x_1), w_2 P(x_2), ...] the fit is P(x)^T M^-1 B U. The sum over p of these
-// columns, as printed, knows no data: P(x)^T M^-1 sum_p w_p P(x_p) = 1 whatever U is.
+// (3.14): with B = [w_1 P(x_1), w_2 P(x_2), ...] the fit is P(x)^T M^-1 B U. The sum over p of
+// these columns, as printed, knows no data: P(x)^T M^-1 sum_p w_p P(x_p) = 1 whatever U is.
 TEST(Gong2015Equation314, HasAColumnForEachParticle) {
   const auto points = random_points<double, 1>(20, 5);
   const PointList<double, 1> target{{0.4}};
@@ -106,8 +106,8 @@ TEST(Gong2015Equation314, HasAColumnForEachParticle) {
   EXPECT_NEAR(printed, 1, 1e-13);
 }
 
-// (3.19): the entry (2, 1) of the first matrix is x^1 of its particle. With x^2, as printed, M has no
-// symmetry, and the fit misses linear functions.
+// (3.19): the entry (2, 1) of the first matrix is x^1 of its particle. With x^2, as printed, M has
+// no symmetry, and the fit misses linear functions.
 TEST(Gong2015Equation319, IsSymmetric) {
   const auto points = random_points<double, 2>(12, 6);
   const Eigen::Vector3d here(1, 0.45, 0.55);

@@ -74,8 +74,8 @@ TEST(Gong2015Equation439, YoungsModulusOfLamesConstants) {
   }
 }
 
-// Section 4.7: by (4.45) the faces Y = 0 and Y = 1 carry a normal traction, for their normal velocity
-// is held, and no tangential one. The printed tau = 0 would be free of both.
+// Section 4.7: by (4.45) the faces Y = 0 and Y = 1 carry a normal traction, for their normal
+// velocity is held, and no tangential one. The printed tau = 0 would be free of both.
 TEST(Gong2015Section47, OnlyTheTangentialTractionVanishes) {
   constexpr double lambda = 5.77e6, mu = 3.85e6, G = 0.1;
   const auto F = [](double X) { return 1 + pi * G * std::cos(pi * X); };  // sin(c pi t) = 1
@@ -87,8 +87,8 @@ TEST(Gong2015Section47, OnlyTheTangentialTractionVanishes) {
   }
 }
 
-// Section 5.4 assembles cell by cell. With rho and s x at the centres, inner nodes must have a = s / rho,
-// and all nodes the mass of the bar.
+// Section 5.4 assembles cell by cell. With rho and s x at the centres, inner nodes must have a = s
+// / rho, and all nodes the mass of the bar.
 TEST(Gong2015Section54, MassNeedsTheVolumeOfTheCell) {
   constexpr double rho = 1000, s = 70, h = 0.1;
   std::vector<double> m(11), printed_m(11), f(11);
@@ -112,8 +112,8 @@ TEST(Gong2015Section54, MassNeedsTheVolumeOfTheCell) {
   EXPECT_NEAR(f[5] / printed_m[5], s / rho * h, 1e-12);
 }
 
-// The slopes of the two hats of a cell are -1 / h and 1 / h: with them x itself has the slope 1, and
-// (5.9) gives the forces +-sigma that the text assembles.
+// The slopes of the two hats of a cell are -1 / h and 1 / h: with them x itself has the slope 1,
+// and (5.9) gives the forces +-sigma that the text assembles.
 TEST(Gong2015Section54, SlopesOfHatsAreInverseLengths) {
   constexpr double h = 0.1, left = 0.3, right = left + h, middle = left + h / 2, sigma = 3;
   const auto slope_of_x = [&](double a, double b) { return a * left + b * right; };
@@ -124,8 +124,8 @@ TEST(Gong2015Section54, SlopesOfHatsAreInverseLengths) {
   EXPECT_NEAR(slope_of_x(-h, h), h * h, 1e-12);  // as printed
 }
 
-// Intervals of the length dpt about x_i + (j - 1/2) dpt fill the cells, and their centre of mass is that
-// of the bar. About x_i + (j - 1) dpt, as printed, they begin outside.
+// Intervals of the length dpt about x_i + (j - 1/2) dpt fill the cells, and their centre of mass is
+// that of the bar. About x_i + (j - 1) dpt, as printed, they begin outside.
 TEST(Gong2015Section54, ParticlesAreTheMiddlesOfTheirIntervals) {
   constexpr int cells = 8, per_cell = 4;
   constexpr double h = 1.0 / cells, dpt = h / per_cell;
@@ -144,8 +144,9 @@ TEST(Gong2015Section54, ParticlesAreTheMiddlesOfTheirIntervals) {
   EXPECT_LT(printed_least, 0);
 }
 
-// Chapter 7 in steps: N particles in each of `cells` periodic cells; F of a particle follows the cell's
-// (v_I - v_{I-1}) / h by (7.14), v_I the sum of all slopes of its hat by the first line of (7.13).
+// Chapter 7 in steps: N particles in each of `cells` periodic cells; F of a particle follows the
+// cell's (v_I - v_{I-1}) / h by (7.14), v_I the sum of all slopes of its hat by the first line of
+// (7.13).
 class Linearised {
  public:
   Linearised(int cells, int per_cell, double cfl)
@@ -181,8 +182,8 @@ class Linearised {
   std::vector<double> v_, F_;
 };
 
-// (7.29): F is the same for all particles of a cell, not exp(i k x_p) times a constant as (7.17) has it.
-// Hence sin(omega dt / 2) = CFL sin(k h / 2), whatever the number of particles.
+// (7.29): F is the same for all particles of a cell, not exp(i k x_p) times a constant as (7.17)
+// has it. Hence sin(omega dt / 2) = CFL sin(k h / 2), whatever the number of particles.
 TEST(Gong2015Equation729, DoesNotDependOnTheNumberOfParticles) {
   constexpr int cells = 12;
   constexpr double cfl = 0.3;

@@ -1,5 +1,5 @@
-// The first Piola-Kirchhoff stress of the neo-Hookean material, as Gong (2015, eq. 4.33) and Tran et al.
-// (2019, eq. 45) print it and as it must be: the slope of the energy
+// The first Piola-Kirchhoff stress of the neo-Hookean material, as Gong (2015, eq. 4.33) and Tran
+// et al. (2019, eq. 45) print it and as it must be: the slope of the energy
 //     W(F) = lambda (ln J)^2 / 2 + mu (tr F^T F / 2 - ln J),
 // by central differences, at deformations that shear and turn.
 #include <gtest/gtest.h>

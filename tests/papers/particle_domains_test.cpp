@@ -1,6 +1,6 @@
-// Shape functions averaged over particle domains: the formulas of Gong (2015), chapter 6, and of Tran
-// et al. (2019), section 3.1, as printed and as they must be. Both are decided by fields they must
-// reproduce: the average slope of x is 1, the average of 1 is 1.
+// Shape functions averaged over particle domains: the formulas of Gong (2015), chapter 6, and of
+// Tran et al. (2019), section 3.1, as printed and as they must be. Both are decided by fields they
+// must reproduce: the average slope of x is 1, the average of 1 is 1.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -74,8 +74,8 @@ TEST(Gong2015Equation629, WeightsSumToOne) {
   EXPECT_LE((w[0] * x1 + w[1] * x2 + w[2] * x3 + w[3] * x4 - centroid).norm(), 1e-14);
 }
 
-// (6.33), (6.34) in 1-D: the average of a linear function is the mean of its ends, without 1 / Omega_p;
-// that of its slope is the difference of its ends over Omega_p.
+// (6.33), (6.34) in 1-D: the average of a linear function is the mean of its ends, without 1 /
+// Omega_p; that of its slope is the difference of its ends over Omega_p.
 TEST(Gong2015Equation633, IsTheMeanOfTheEnds) {
   const double x1 = 0.3, x2 = 0.37, omega = x2 - x1;
   const auto N = [](double x) { return 1 - x; };

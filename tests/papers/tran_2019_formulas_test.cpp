@@ -1,6 +1,7 @@
-// Formulas of Tran et al. (2019) that have to be corrected, as printed and as they must be: section 2.1
-// on least squares, section 3.2 on what a map conserves, section 4 on manufactured solutions and tables.
-// The neo-Hookean stress (45) is in neo_hookean_test.cpp, the gradient (24) in particle_domains_test.cpp.
+// Formulas of Tran et al. (2019) that have to be corrected, as printed and as they must be: section
+// 2.1 on least squares, section 3.2 on what a map conserves, section 4 on manufactured solutions
+// and tables. The neo-Hookean stress (45) is in neo_hookean_test.cpp, the gradient (24) in
+// particle_domains_test.cpp.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -22,8 +23,8 @@ double derivative(const Function& f, double x, double step = 1e-5) {
   return (f(x + step) - f(x - step)) / (2 * step);
 }
 
-// (2), (3): the polynomials stand at x_p. At x, as printed, all particles have the same row, and the
-// moment matrix has rank 1, however many they are.
+// (2), (3): the polynomials stand at x_p. At x, as printed, all particles have the same row, and
+// the moment matrix has rank 1, however many they are.
 TEST(Tran2019Equation2, TakesTheBasisAtTheParticles) {
   const auto points = random_points<double, 1>(20, 8);
   const PointList<double, 1> target{{0.4}};
@@ -90,7 +91,8 @@ TEST(Tran2019Equation31, IsAPartitionOfUnityAndLosesMomentum) {
   EXPECT_NEAR(maps.node_mass.dot(maps.weighted), momentum, 1e-13 * maps.mass.sum());
 }
 
-// (52), (53): sums of m |v| are no momentum. The mass-weighted map conserves momentum, and changes them.
+// (52), (53): sums of m |v| are no momentum. The mass-weighted map conserves momentum, and changes
+// them.
 TEST(Tran2019Equation52, SumsOfSpeedsAreNoMomentum) {
   const Mapped maps;
   const double on_particles = maps.mass.dot(maps.velocity.cwiseAbs());
@@ -138,8 +140,8 @@ TEST(Tran2019Equation51, HasTheSquareOfPi) {
   EXPECT_NEAR(pi * printed, b, 1e-6 * std::abs(b));
 }
 
-// Tables 2 to 4: "10e7" and "10e3" are 1e7 and 1e3. The constants and the final time, one period 2 L / c,
-// say so; and lambda, mu of table 2 are those of poisson = 0.3, which is printed as 0.
+// Tables 2 to 4: "10e7" and "10e3" are 1e7 and 1e3. The constants and the final time, one period 2
+// L / c, say so; and lambda, mu of table 2 are those of poisson = 0.3, which is printed as 0.
 TEST(Tran2019Tables, YoungsModuliAreTenTimesLess) {
   const auto lambda = [](double E, double nu) { return E * nu / ((1 + nu) * (1 - 2 * nu)); };
   const auto mu = [](double E, double nu) { return E / (2 * (1 + nu)); };
@@ -151,8 +153,8 @@ TEST(Tran2019Tables, YoungsModuliAreTenTimesLess) {
   EXPECT_EQ(lambda(1e7, 0), 0);  // the printed poisson = 0 has another pair
 }
 
-// (55) with Hooke's strain F - 1 is not the energy of (45): at A = 0.1 the sum over the bar of section
-// 4.2 (L = 1, poisson = 0.3, quarter of a period) is 13 % less.
+// (55) with Hooke's strain F - 1 is not the energy of (45): at A = 0.1 the sum over the bar of
+// section 4.2 (L = 1, poisson = 0.3, quarter of a period) is 13 % less.
 TEST(Tran2019Equation55, UnderestimatesTheEnergy) {
   constexpr double lambda = 5.77e6, mu = 3.85e6;
   double exact = 0, printed = 0;
@@ -174,8 +176,8 @@ struct Ring {
   static double u(double r) { return c_3 * r * r * r + c_2 * r * r + c_1 * r; }
 };
 
-// (57), (58): then u is 1 outside and its slope vanishes at both faces. A constant, as printed, leaves the
-// slope -c_1 there.
+// (57), (58): then u is 1 outside and its slope vanishes at both faces. A constant, as printed,
+// leaves the slope -c_1 there.
 TEST(Tran2019Equation57, TheLastTermIsLinear) {
   EXPECT_NEAR(Ring::u(Ring::r_o), 1, 1e-14);
   for (const double r : {Ring::r_i, Ring::r_o}) {
@@ -185,8 +187,8 @@ TEST(Tran2019Equation57, TheLastTermIsLinear) {
   }
 }
 
-// Table 3: the faces of the ring are free of traction for lambda = 0 only, which poisson = 0 gives; its
-// lambda and mu are those of 0.3.
+// Table 3: the faces of the ring are free of traction for lambda = 0 only, which poisson = 0 gives;
+// its lambda and mu are those of 0.3.
 TEST(Tran2019Table3, LambdaIsZero) {
   const auto traction = [](double lambda, double mu, double r) {  // P_rr, A sin(...) = 0.1
     const double F_r = 1 + 0.1 * derivative(Ring::u, r), F_t = 1 + 0.1 * Ring::u(r) / r;

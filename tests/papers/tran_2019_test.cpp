@@ -219,8 +219,8 @@ TYPED_TEST(Tran2019, TheTestAgainstZeroFailsForTwoPoints) {
     ASSERT_NEAR(static_cast<double>(fitted(i, 0)), exact, 30 * this->epsilon)
         << "at " << this->x[i];
   }
-  // Measured: double 860 of 1000, with <p_3, p_3> up to 4e-33; float 890, up to 1e-15. The others
-  // are exactly 0.
+  // Measured: double 860 of 1000, with <p_3, p_3> up to 4e-33; float 890, up to 1e-15. The
+  // others are exactly 0.
   EXPECT_GT(garbage, evaluations / 2);
   EXPECT_GT(garbage + zero, 99 * evaluations / 100);
   EXPECT_GT(largest_product, 0);

@@ -1,5 +1,5 @@
-// What a user can get wrong: each mistake has its exit code and a message that helps, and leaves no
-// file.
+// What a user can get wrong: each mistake has its exit code and a message that helps, and
+// leaves no file.
 #include "run_program.hpp"
 
 namespace recon::test {

@@ -1,5 +1,6 @@
-// Values of `recon map` beside their data: with its defaults none leaves the range of the particles;
-// without a limit hardly any does at targets that are called full and lie within the box.
+// Values of `recon map` beside their data: with its defaults none leaves the range of the
+// particles; without a limit hardly any does at targets that are called full and lie
+// within the box.
 #include <algorithm>
 #include <cmath>
 #include <span>

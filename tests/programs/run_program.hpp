@@ -1,5 +1,5 @@
-// Runs the built program in an empty folder of the test's own, and looks at what it says and
-// leaves.
+// Runs the built program in an empty folder of the test's own, and looks at what it
+// says and leaves.
 #pragma once
 
 #include <gmock/gmock.h>

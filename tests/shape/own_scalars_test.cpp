@@ -10,8 +10,8 @@
 
 namespace own {
 
-// No more than docs/concepts.md asks for: functions are found by the arguments, nothing converts by
-// itself.
+// No more than docs/concepts.md asks for: functions are found by the arguments, nothing
+// converts by itself.
 class Number {
  public:
   Number() = default;

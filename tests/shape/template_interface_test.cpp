@@ -1,5 +1,5 @@
-// The template interface with a minimal model of every concept: own weight, own basis, own search,
-// own scalar.
+// The template interface with a minimal model of every concept: own weight, own basis, own
+// search, own scalar.
 #include <gtest/gtest.h>
 
 #include "recon/neighbourhood/kd_tree.hpp"
@@ -77,8 +77,8 @@ TEST(TemplateInterface, OwnWeightBasisAndSearch) {
   for (const auto& x : random_points<double, 2>(30, 2)) {
     const auto& shape = shapes.at(x, rho, All{points.size()}, position);
     ASSERT_EQ(shape.report.status, FitStatus::full);
-    // u = 1 + 2 y + sin(2 (x_p - x) / rho): the wave of the basis; u(x) = 1 + 2 y, du/dx = 2 / rho,
-    // du/dy = 2.
+    // u = 1 + 2 y + sin(2 (x_p - x) / rho): the wave of the basis; u(x) = 1 + 2 y, du/dx = 2 /
+    // rho, du/dy = 2.
     double value = 0, slope_x = 0, slope_y = 0;
     for (std::size_t i = 0; i < shape.neighbours.size(); ++i) {
       const auto& p = points[shape.neighbours[i]];

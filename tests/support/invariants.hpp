@@ -13,8 +13,8 @@
 
 namespace recon::testing {
 
-// The sum of phi_p xi_p^alpha over a row, with its rounding scale sum |phi_p xi_p^alpha|, in long
-// double.
+// The sum of phi_p xi_p^alpha over a row, with its rounding scale sum |phi_p xi_p^alpha|,
+// in long double.
 struct RowSum {
   long double value = 0, scale = 0;
 };
@@ -62,9 +62,9 @@ double rounding(const FitReport& report) {
          std::max(1.0f, report.amplification) * loss;
 }
 
-// Partition of unity and reproduction of every monomial up to the reported degree, at every target;
-// the report must agree with itself; amplification must bound sum |phi|. `where` is printed on
-// failure.
+// Partition of unity and reproduction of every monomial up to the reported degree, at every
+// target; the report must agree with itself; amplification must bound sum |phi|. `where` is
+// printed on failure.
 template <class Scalar, int D>
 void expect_reproduction(const BasicReconstruction<Scalar>& fit, const PointList<Scalar, D>& points,
                          const PointList<Scalar, D>& targets, int asked, const std::string& where) {

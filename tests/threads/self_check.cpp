@@ -1,5 +1,5 @@
-// Loops over threads that the thread sanitizer must judge rightly: with an argument one that races, else
-// a reduction and a critical section that do not.
+// Loops over threads that the thread sanitizer must judge rightly: with an argument one that races,
+// else a reduction and a critical section that do not.
 #include <cstdio>
 
 int main(int count, char**) {

@@ -83,8 +83,8 @@ TEST(BSplines, SumToOneOnAGrid) {
   check_partition_of_unity<5>();
 }
 
-// The published pieces: cubic (Tran et al. 2019, eq. 10), quadratic (Gong 2015, eq. 5.2), in units
-// of h.
+// The published pieces: cubic (Tran et al. 2019, eq. 10), quadratic (Gong 2015, eq.
+// 5.2), in units of h.
 TEST(BSplines, EqualThePublishedPieces) {
   for (double x = 0; x < 2; x += 0.01) {
     const double cubic =

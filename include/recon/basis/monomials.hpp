@@ -1,13 +1,13 @@
 // Graded monomials: the polynomial basis of every fit.
 //
-// For a target x and support rho the basis is written in xi = (x_p - x) / rho, no unit, so that all
-// terms are of the order of one and nothing depends on where the origin is. The terms are ordered
-// by degree, and within a degree lexicographically; in 3-D
+// For a target x and support radius rho the basis is written in xi = (x_p - x) / rho, which has no
+// unit, so that all terms are of the order of one and nothing depends on where the origin is. The
+// terms are ordered by degree, and within a degree lexicographically; in 3-D
 //     1 | x y z | xx xy xz yy yz zz | ...
 // Degree 0 reproduces constants (Shepard), degree 1 linear fields, and so on; there are
-// C(degree + D, D) terms. At the target xi = 0, so that the value of the fit there is the
-// coefficient of 1, its gradient that of x, y, z divided by rho, and so on (the Taylor coefficients
-// of the fit).
+// C(degree + D, D) terms. At the target xi = 0. So the coefficient of 1 is the value of the fit
+// there, those of x, y, z divided by rho are its gradient, and so on: they are the Taylor
+// coefficients of the fit.
 #pragma once
 
 #include <array>
@@ -31,8 +31,7 @@ constexpr int term_count(int dimension, int degree) {
 
 }  // namespace detail
 
-// The number of monomials in `dimension` variables of degree at most `degree`: C(degree + dim,
-// dim).
+// The number of monomials of degree at most `degree` in so many variables, C(degree + dim, dim).
 constexpr int monomial_count(int dimension, int degree) {
   return detail::term_count(dimension, degree);
 }
@@ -57,7 +56,7 @@ struct Monomials {
       e[0] = static_cast<std::uint8_t>(k);
       for (;;) {
         all[j++] = e;
-        int d = D - 2;  // the last axis but one that can give one away
+        int d = D - 2;  // the last axis from which a later one can take
         while (d >= 0 && e[d] == 0) --d;
         if (d < 0) break;
         std::uint8_t rest = 0;
@@ -72,8 +71,9 @@ struct Monomials {
     return all;
   }();
 
-  // The place of the monomial with these exponents, or -1 if its degree is above R. Before it come
-  // all terms of lower degree, and of its own degree those that have more of an earlier axis.
+  // The place of the monomial with these exponents among the terms, or -1 if its degree is above
+  // R. Before it come all terms of lower degree, and those of its own degree with higher exponents
+  // of earlier axes.
   static constexpr int find(const Exponents& wanted) {
     int place = 0, left = 0;
     for (int d = D - 1; d >= 0; --d) {
@@ -83,7 +83,7 @@ struct Monomials {
     return left <= R ? place : -1;
   }
 
-  // values[j] = factor * xi^exponents[j] for all terms, each one product from an earlier term.
+  // values[j] = factor * xi^exponents[j] for all terms, each by one product with an earlier term.
   template <class T>
   RECON_INLINE static constexpr void evaluate(const std::array<T, D>& xi, T* values,
                                               const T& factor = T(1)) {
@@ -94,7 +94,8 @@ struct Monomials {
     });
   }
 
-  // Taylor coefficient number a (numbered as the terms of degree <= 2 are) of term j at xi = 0.
+  // The Taylor coefficient of term j at xi = 0 with number a, where the coefficients are numbered
+  // as the terms of degree <= 2.
   static constexpr double origin(int j, int a) { return j == a ? 1.0 : 0.0; }
 
  private:
@@ -123,10 +124,10 @@ inline constexpr bool is_monomials<Monomials<D, R>> = true;
 
 }  // namespace detail
 
-// A basis of your own. Terms come in blocks of rising degree (begin), the first block being the
-// constant 1 alone; evaluate() gives all terms at xi; origin() their Taylor coefficients at xi = 0
-// up to order 2, numbered 1 | x y z | xx xy ... (xx is half the second derivative, xy the mixed
-// one).
+// A basis of your own. Terms come in blocks of rising degree: begin(k) is the first of block k, and
+// the first block is the constant 1 alone. evaluate() gives all terms at xi; origin() gives their
+// Taylor coefficients at xi = 0 up to order 2, numbered 1 | x y z | xx xy ..., where that of xx is
+// half the second derivative and that of xy the mixed derivative.
 template <class B>
 concept Basis = requires(const std::array<double, B::dimension>& xi, double* values) {
   { B::dimension } -> std::convertible_to<int>;

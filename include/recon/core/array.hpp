@@ -1,6 +1,6 @@
-// A std::vector for large results: new elements are not set to zero (they are written in full, by
-// the threads that compute them), and where the system can it gets large pages, so that the first
-// write to each does not cost more than the computation.
+// A std::vector for large results. New elements are not set to zero: they are written in full by
+// the threads that compute them. Where the system has large pages the memory consists of them,
+// because the first write to each small page can cost more than the computation.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace recon {
 
 namespace detail {
 
-constexpr std::size_t large_allocation = std::size_t{2} << 20;  // bytes, from which pages matter
+constexpr std::size_t large_allocation = std::size_t{2} << 20;  // bytes; large pages from here on
 
 // Throws std::bad_alloc.
 void* allocate_large(std::size_t bytes);

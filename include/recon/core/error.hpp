@@ -49,14 +49,12 @@ template <class Value>
   throw InvalidArgument(std::move(argument), to_text(value), std::move(rule));
 }
 
-}  // namespace detail
-
-// Throws InvalidArgument(argument, value, rule) unless `holds`. The texts are built only on
-// failure.
+// Throws InvalidArgument(argument, value, rule) unless `holds`. Its texts are built only then.
 template <class Value>
 void require(bool holds, const char* argument, const Value& value, const char* rule) {
   if (!holds) [[unlikely]]
-    detail::throw_invalid(argument, value, rule);
+    throw_invalid(argument, value, rule);
 }
 
+}  // namespace detail
 }  // namespace recon

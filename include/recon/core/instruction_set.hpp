@@ -26,8 +26,8 @@ constexpr std::string_view name_of(InstructionSet set) {
   return place < std::size(names) ? names[place] : "unknown";
 }
 
-// The sets that this build holds and this processor has, the best one last. `generic` is always
-// there.
+// The sets that this build holds and this processor has, the best one last;
+// `generic` is among them.
 std::span<const InstructionSet> available_instruction_sets();
 
 // `automatic` becomes the best one available; throws InvalidArgument for one that is not available.

@@ -1,17 +1,18 @@
-// One number or several side by side: what a kernel needs to be written once for both.
+// Kernels written once for single numbers and for packs of several numbers side by side.
 //
-// A kernel is a template over its value type T. T may be float, double or long double, or a pack of
-// them (core/pack.hpp), with one target in each lane, or a number type of your own
-// (docs/concepts.md), whose functions are found by their arguments. Arithmetic, comparisons and
-// square roots are the same for both; a comparison of packs gives a mask, so that a kernel must not branch on it but
-// select. Where it must know that all lanes agree, it asks any_lane or all_lanes.
+// A kernel is a template over its value type T: float, double, long double, a pack of them
+// (core/pack.hpp) with one target in each lane, or a number type of your own (docs/concepts.md).
+// Arithmetic, comparisons and square roots are written the same way for all; functions such as sqrt
+// are found by argument-dependent lookup. A comparison of packs gives a mask with one truth value
+// per lane, so a kernel must not branch on it but use select(). Where it must know whether any or
+// all lanes agree, it asks any_lane() or all_lanes().
 #pragma once
 
 namespace recon {
 
 template <class T>
 struct LaneTraits {
-  using Scalar = T;  // of one lane
+  using Scalar = T;  // the type of one lane
   using Mask = bool;
   static constexpr int lanes = 1;
   static constexpr const T& select(bool mask, const T& a, const T& b) { return mask ? a : b; }
@@ -29,6 +30,8 @@ struct MaskTraits<bool> {
   static constexpr bool all(bool mask) { return mask; }
 };
 
+namespace detail {
+
 template <class Mask>
 constexpr bool any_lane(const Mask& mask) {
   return MaskTraits<Mask>::any(mask);
@@ -38,31 +41,31 @@ constexpr bool all_lanes(const Mask& mask) {
   return MaskTraits<Mask>::all(mask);
 }
 
-// A number, in all lanes.
+// The same number in all lanes.
 template <class T>
 constexpr T constant(double value) {
   return T(static_cast<ScalarOf<T>>(value));
 }
 
-// Neither infinite nor NaN.
+// Whether a value is neither infinite nor NaN (in a pack: for each lane).
 template <class T>
 constexpr bool is_finite(const T& value) {
   return value - value == T(0);
 }
 
-// A number of one lane for a report.
+// The number of one lane as a report holds it.
 template <class T>
 constexpr float to_float(const T& value) {
   return static_cast<float>(static_cast<double>(value));
 }
 
-// a where the mask holds, b elsewhere.
+// select() is a where the mask holds and b elsewhere, lane by lane.
 template <class T>
 constexpr T select(const MaskOf<T>& mask, const T& a, const T& b) {
   return LaneTraits<T>::select(mask, a, b);
 }
 
-// The smaller and the larger of two; b where a is NaN.
+// smaller() and larger() are min and max, lane by lane; the result is b where a is NaN.
 template <class T>
 constexpr T smaller(const T& a, const T& b) {
   return select(a < b, a, b);
@@ -72,4 +75,5 @@ constexpr T larger(const T& a, const T& b) {
   return select(a > b, a, b);
 }
 
+}  // namespace detail
 }  // namespace recon

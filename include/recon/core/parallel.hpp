@@ -1,10 +1,10 @@
 // Parallel loops over blocks, with the same results for any number of threads.
 //
-// Work is cut into blocks whose borders depend on the count alone, never on the number of threads;
-// a block writes only what is its own. OpenMP stays inside the compiled part, so that a consumer
-// needs no compiler flag for it. An exception thrown in a block is rethrown after the loop; of
-// several, the one from the lowest block, so that messages do not depend on the number of threads
-// either.
+// Work is cut into blocks whose borders depend on the count alone, never on the number of
+// threads; a block writes only what is its own. OpenMP stays inside the compiled part, so that a
+// consumer needs no compiler flag for it. An exception thrown in a block is rethrown after the
+// loop. Of several, it is the one from the lowest block, so that messages do not depend on the
+// number of threads.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 
 namespace recon {
 
-// Threads that parallel loops use when a call does not say: OpenMP's default (OMP_NUM_THREADS or
-// the number of processors), or 1 where recon was built without OpenMP.
+// The number of threads of parallel loops where a call does not say: OpenMP's default
+// (OMP_NUM_THREADS or the number of processors), or 1 where recon was built without OpenMP.
 int default_threads();
 
 namespace detail {
 
-// body(context, begin, end) for each block; `threads` <= 0 means default_threads().
+// Calls body(context, begin, end) for each block; `threads` <= 0 means default_threads().
 void parallel_blocks(std::size_t count, std::size_t block, int threads, void* context,
                      void (*body)(void* context, std::size_t begin, std::size_t end));
 

@@ -1,10 +1,11 @@
-// Sums over any number of particles that are as good as sums over few.
+// Sums of any number of terms with a rounding error like that of a few hundred terms.
 //
-// Terms are added one after the other in blocks; the sums of the blocks are added up with what
-// rounding takes from each addition carried along (Knuth 1969, sec. 4.2.2; Sum2 of Ogita, Rump and
-// Oishi 2005). The error is then that of one block's sum (a few roundings; about twenty where all
-// terms are equal) for any number of terms; a plain sum of a million floats loses three of their
-// seven digits. Up to sum_block terms make one block, and the sum is the plain one to the bit.
+// Terms are added one after the other in blocks of sum_block. The sums of the blocks are then
+// added with the rounding error of each addition carried along (Knuth 1969, sec. 4.2.2; Sum2 of
+// Ogita, Rump and Oishi 2005). For any number of terms the error is that of one block's sum: a
+// few roundings, about twenty where all terms are equal. A plain sum of a million floats loses
+// three of their seven digits. Up to sum_block terms make one block, and the sum is the plain
+// one to the bit.
 //
 // T is a number, or a pack (core/pack.hpp) with a sum in each lane.
 #pragma once
@@ -20,7 +21,7 @@ namespace recon::detail {
 
 inline constexpr int sum_block = 256;
 
-// total += term; what rounding takes from it is added to `lost`.
+// Does total += term, and adds the rounding error of that addition to `lost`.
 template <class T>
 RECON_INLINE constexpr void add_keeping_rounding(const T& term, T& total, T& lost) {
   const T sum = total + term;
@@ -29,7 +30,8 @@ RECON_INLINE constexpr void add_keeping_rounding(const T& term, T& total, T& los
   total = sum;
 }
 
-// For more than one block. Apart, so that sums of one block are no more than their loop.
+// The sum of more than one block. It is a function of its own so that sums of one block
+// stay a short loop.
 template <int N, class T, class Index, class Add>
 [[gnu::noinline]] void add_many_blocks(Index count, T* sums, const Add& add) {
   T lost[N], part[N];
@@ -47,15 +49,15 @@ template <int N, class T, class Index, class Add>
   for (int i = 0; i < N; ++i) sums[i] += lost[i];
 }
 
-// Adds the terms 0 <= p < count to the N sums. add(begin, end, part) adds those of begin <= p < end
-// to part[0 .. N - 1].
+// Adds the terms 0 <= p < count to the N sums. add(begin, end, part) adds the terms begin <= p <
+// end to part[0 .. N - 1].
 template <int N, class T, class Index, class Add>
 RECON_INLINE void add_in_blocks(Index count, T* sums, const Add& add) {
   if (count <= Index(sum_block)) [[likely]] {
     add(Index(0), count, sums);
     return;
   }
-  T total[N];  // a copy, lest the sums of short loops be kept from registers
+  T total[N];  // a copy: passing `sums` itself on would keep the sums above out of registers
   for (int i = 0; i < N; ++i) total[i] = sums[i];
   add_many_blocks<N>(count, total, add);
   for (int i = 0; i < N; ++i) sums[i] = total[i];
@@ -71,9 +73,9 @@ RECON_INLINE T sum_of(Index count, const Term& term) {
   return sum;
 }
 
-// The sum of a(p) b(p), for a plain sum that has left the range of numbers on its way: with factors
-// scaled to the order of one. Not finite only if the result is too large itself, or a factor is not
-// finite.
+// The sum of a(p) b(p), for cases in which the plain sum overflows on its way: the factors are
+// first scaled to the order of one. It is not finite only if the result itself is too large or a
+// factor is not finite.
 template <class T, class Index, class A, class B>
 T scaled_sum_of_products(Index count, const A& a, const B& b) {
   T largest_a = T(0), largest_b = T(0);

@@ -21,8 +21,8 @@ RECON_INLINE constexpr void unroll(Body& body, std::integer_sequence<int, i...>)
   (body(std::integral_constant<int, i>{}), ...);
 }
 
-// body(std::integral_constant<int, i>) for i = 0 .. N - 1: what tables say about i is then known
-// where the code is compiled. The body is a lambda marked RECON_INLINE_LAMBDA.
+// Calls body(std::integral_constant<int, i>) for i = 0 .. N - 1, so that the compiler knows what
+// tables say about each i. The body is a lambda marked RECON_INLINE_LAMBDA.
 template <int N, class Body>
 RECON_INLINE constexpr void unroll(Body&& body) {
   unroll(body, std::make_integer_sequence<int, N>{});

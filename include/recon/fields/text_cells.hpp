@@ -27,7 +27,7 @@ class TextCells {
   void erase_if(const Drop& drop) {
     std::erase_if(cells_, [&](const Cell& cell) { return drop(cell.row, word(cell.word)); });
   }
-  // Cells of rows that are not kept go, the others move up; kept has an entry for each row.
+  // Drops the cells of rows whose entry of `kept` is false, and renumbers the rows that remain.
   void keep_rows(const std::vector<bool>& kept);
 
  private:
@@ -37,8 +37,8 @@ class TextCells {
   std::string_view word(std::size_t number) const;
 
   std::vector<Cell> cells_;
-  // The words one behind another, and where each ends. Labels are few, and stand here once each; of
-  // many different texts only the first are sought before one is added.
+  // The distinct texts one behind another, and where each ends. Repeated labels are stored once.
+  // Where there are many different texts, a new one is compared with the first of them only.
   std::string words_;
   std::vector<std::uint64_t> ends_;
 };

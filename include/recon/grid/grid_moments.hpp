@@ -1,24 +1,29 @@
-// The moments of particles at all nodes of a grid, to be added up before they are solved.
+// Moments of particles at the nodes of a grid, summed up from several sources before
+// they are solved.
 //
-//   GridMoments moments(points, {velocity}, grid, options);    // each process from its own
-//   particles moments += others;                                         // or add values()
-//   yourself, by MPI GridReconstruction fit = moments.solve();
+// ```cpp
+//   recon::GridMoments moments(points, {velocity}, grid, options);  // each process: its particles
+//   moments += others;                      // or add up values() yourself, for example by MPI
+//   recon::GridReconstruction fit = moments.solve();
+// ```
 //
 // Moments about the nodes are additive over particles: M and b of reconstruct_on_grid.hpp from all
-// particles are the sums of those from any parts of them. Of each node per_node() numbers are held:
-//     number of particles | C(2 R + D, D) moments sum m_p w_ip xi^alpha, as Monomials<D, 2 R> |
-//     for each component C(R + D, D) right-hand sides sum m_p w_ip xi^alpha u_p, as Monomials<D,
-//     R>.
+// particles are the sums of those from any parts of them. Each node has per_node() numbers, which
+// are in this order:
+//     the number of particles
+//     C(2 R + D, D) moments sum m_p w_ip xi^alpha, as Monomials<D, 2 R>
+//     for each component C(R + D, D) right-hand sides sum m_p w_ip xi^alpha u_p, as Monomials<D, R>
 //
-// solve() no longer has the particles. Where the moment matrix is not safe it lowers the degree
-// until it is (by the bound of FitReport::amplification, where that exceeds the leverage limit):
-// status is then `reduced`, and the value may differ from that of
+// solve() does not have the particles any more. Where the moment matrix is not safe it lowers the
+// degree until it is (by the bound of FitReport::amplification, where that exceeds the leverage
+// limit). The status is then `reduced`, and the value may differ from that of
 // reconstruct_on_grid(), which would keep the directions that the particles do resolve. Elsewhere
 // both agree to rounding.
 //
-// Memory: per_node() numbers a node, 23 for a velocity in 3-D at degree 1. Throws InvalidArgument
-// as reconstruct_on_grid() does, for a limit (the range of the data is not among the moments), and
-// where moments of different grids, options or components are added.
+// Memory: per_node() numbers a node, for example 23 for a velocity in 3-D at degree 1. Throws
+// InvalidArgument as reconstruct_on_grid() does, and also for a limit (the range of the data
+// is not among the moments) and for the addition of moments that differ in their grid,
+// options or components.
 #pragma once
 
 #include <memory>
@@ -42,7 +47,7 @@ class BasicGridMoments {
   BasicGridReconstruction<Scalar> solve() const;
 
   int per_node() const;
-  // [node][per_node()]
+  // The moments of all nodes, one node after another, per_node() numbers for each.
   std::span<Scalar> values() { return values_; }
   std::span<const Scalar> values() const { return values_; }
 

@@ -1,11 +1,11 @@
-// What one can choose about a reconstruction on a grid.
+// The choices of a reconstruction on a grid.
 //
 // A particle counts at a node through q_d = |x_p - x_i|_d / rho_d, with rho_d the support along
-// axis d, a length. tensor_product: w = prod_d w(q_d), the support a box; radial: w = w(|q|), an
-// ellipsoid. The natural support of a B-spline of degree P is (P + 1) / 2 spacings of the grid:
-// weights are then the cardinal splines of the material point method (Steffen, Kirby, Berzins
-// 2008), which on the grid sum to one. A larger support smooths more, and costs in proportion to
-// its volume.
+// axis d, a length. tensor_product: w = prod_d w(q_d), the support is a box. radial: w = w(|q|),
+// the support is an ellipsoid. The natural support of a B-spline of degree P is (P + 1) / 2
+// spacings of the grid: the weights are then the cardinal splines of the material point method
+// (Steffen, Kirby, Berzins 2008), which sum to one over the grid. A larger support smooths more,
+// and its cost grows in proportion to its volume.
 #pragma once
 
 #include <array>
@@ -29,13 +29,14 @@ struct GridOptions {
   // weights have no natural support. At most 8 spacings.
   std::array<double, max_dimension> support{};
 
-  // Also the gradient of the local polynomial (the diffuse one), zero at degree 0 and in directions
-  // that the particles do not resolve (FitReport::gradient_rank).
+  // Whether to compute also the gradient of the local polynomial (the diffuse one). It is zero at
+  // degree 0 and in directions that the particles do not resolve (FitReport::gradient_rank).
   bool gradients = false;
-  // Keeps each value in or near the range of the data of the particles in its support, those with
-  // m_p > 0 (operators/limit.hpp); gradients are never limited. GridMoments, which keep no data, refuse it.
+  // Keeps each value in or near the range of the data in its support, those of particles with m_p
+  // > 0 (operators/limit.hpp). Gradients are never limited. GridMoments refuse a limit, because
+  // they keep no data.
   Limit limit = Limit::none;
-  // Written where no particle is in the support.
+  // The value of nodes without a particle in their support.
   double fill_value = std::numeric_limits<double>::quiet_NaN();
 
   FitTolerances tolerances{};

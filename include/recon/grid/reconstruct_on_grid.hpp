@@ -1,31 +1,33 @@
-// reconstruct_on_grid(points, fields, grid, options): particle data at the nodes of a structured
-// grid.
+// reconstruct_on_grid(points, fields, grid, options): particle data at the nodes of a regular grid.
 //
-//   recon::GridReconstruction v = recon::reconstruct_on_grid(points, {velocity}, grid,
-//       {.degree = 1, .weight = recon::Weight::cubic_b_spline});
-//   v.values()                                  // Eigen matrix, a row per node, 3 columns
-//   recon::GridReconstruction s = recon::reconstruct_on_grid(points, {stress, density},
-//       cell_centres(grid), {.weight = recon::Weight::quadratic_b_spline});    // 6 + 1 columns
+// ```cpp
+//   const recon::GridReconstruction v = recon::reconstruct_on_grid(
+//       points, {velocity}, grid, {.degree = 1, .weight = recon::Weight::cubic_b_spline});
+//   const Eigen::MatrixXd& at_nodes = v.values();  // a row per node, 3 columns
+//   const recon::GridReconstruction s = recon::reconstruct_on_grid(
+//       points, {stress, density}, recon::cell_centres(grid),
+//       {.weight = recon::Weight::quadratic_b_spline});  // 6 + 1 columns
+// ```
 //
 // Moving least squares at every node x_i (Gong 2015, eq. 3.6-3.8), with xi = (x_p - x_i) / rho per
-// axis, w_ip = w(xi), an optional weight m_p >= 0 of each particle (its mass or volume), m the
-// monomials:
+// axis, w_ip = w(xi), m_p >= 0 the weight of a particle (its mass or volume; 1 unless given), and
+// m the monomials:
 //     M_i = sum_p m_p w_ip m(xi) m(xi)^T ,  b_i = sum_p m_p w_ip m(xi) u_p ,  M_i a = b_i ;
-// the value is a_0, the gradient a_1 .. a_D divided by rho. Both are sums over particles: they are
-// formed cell by cell of particles, without neighbour lists, and solved as soon as a row of nodes
-// is complete.
+// the value is a_0, the gradient a_1 .. a_D divided by rho. Both are sums over particles: they
+// are formed cell by cell of particles, without neighbour lists, and solved as soon as a row of
+// nodes is complete.
 //
 // The values are, up to rounding, those of reconstruct() with Radius, the same weight and the
 // solver moment_matrix; and as there, a node whose moment matrix is not safe is fitted anew from
-// its particles by graded Gram-Schmidt. So is its FitReport; `neighbours` counts particles with m_p
-// > 0 whose w_ip exceeds eps^2 w(0). Without neighbours status is no_support, and the value is
-// fill_value.
+// its particles by graded Gram-Schmidt. The FitReport is that of reconstruct() as well; its
+// `neighbours` counts the particles with m_p > 0 and w_ip > eps^2 w(0). A node without any has the
+// status no_support and the value fill_value.
 //
-// Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument for
-// sizes and dimensions that differ, bad options, coordinates and data that are not finite (naming
-// the particle and the component), negative m_p, and results that are too large for the precision
-// (naming the node). The unit of m_p does not matter. Sums of any number of particles are good to a
-// few roundings.
+// Particles may lie anywhere: those that no node sees count for nothing. Throws InvalidArgument
+// for sizes and dimensions that differ, bad options, coordinates and data that are not finite
+// (naming the particle and the component), negative m_p, and results that are too large for the
+// precision (naming the node). The unit of m_p does not matter. Sums of any number of particles
+// are good to a few roundings.
 //
 // Cost: linear in the number of particles. Memory beyond the result: 4 bytes for each particle,
 // half a byte for each node, and per thread about a megabyte of moments. The same bits for any
@@ -43,7 +45,7 @@
 
 namespace recon {
 
-// Values, gradients and reports at the nodes; node i is number i of StructuredGrid.
+// Values, gradients and reports at the nodes, in the order of the nodes of StructuredGrid.
 template <class Scalar>
 class BasicGridReconstruction {
  public:
@@ -94,8 +96,8 @@ template <class Scalar>
 StructuredGrid<Scalar> cell_centres(StructuredGrid<Scalar> grid) {
   grid.validate();
   for (int d = 0; d < grid.dimension; ++d) {
-    require(grid.counts[d] >= 2, "grid nodes along an axis", grid.counts[d],
-            "must be at least 2 to have cells between them");
+    detail::require(grid.counts[d] >= 2, "grid nodes along an axis", grid.counts[d],
+                    "must be at least 2 to have cells between them");
     --grid.counts[d];
     grid.origin[d] += grid.spacing[d] / 2;
   }

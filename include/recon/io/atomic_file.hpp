@@ -21,7 +21,7 @@ namespace recon {
 
 class AtomicFile {
  public:
-  // named: as on a file system that knows no unnamed files.
+  // named: the file has a name from the start, as on file systems that know no unnamed files.
   explicit AtomicFile(const std::filesystem::path& target, bool named = false);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -30,17 +30,18 @@ class AtomicFile {
   void write(std::string_view bytes);
   void commit();
 
-  // For another program that writes the file: what it writes follows what was written before.
+  // A descriptor for another program that writes the file; it continues what was written before.
   int descriptor() const { return descriptor_; }
-  // Where this process can open the file until the commit, whether it has a name or not.
+  // The path by which this process can open the file before the commit, whether it
+  // has a name or not.
   std::filesystem::path open_path() const;
-  // For libraries that want a name: gives the file one, which stays if the process is killed.
+  // Gives the file a name, for libraries that need one. It stays behind if the process is killed.
   const std::filesystem::path& temporary();
 
  private:
   void flush();
   void discard() noexcept;
-  // Each false where it fails; errno says why.
+  // Each returns false where it fails; errno says why.
   bool link_as(const std::filesystem::path& name) const noexcept;
   bool give_name() noexcept;
   bool put_in_place() noexcept;

@@ -13,7 +13,7 @@ namespace recon {
 
 class FileError : public std::runtime_error {
  public:
-  // line: counted from 1; 0 where the trouble is not on a line.
+  // The line is counted from 1; 0 where the trouble is not on a line.
   FileError(const std::filesystem::path& path, std::size_t line, const std::string& what);
 
   const std::filesystem::path& path() const { return path_; }

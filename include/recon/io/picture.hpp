@@ -1,14 +1,16 @@
-// Pictures of results: heat maps of fields on grids, and curves. PNG, or SVG by the extension .svg.
+// Pictures of results: heat maps of fields on grids, and curves, as PNG or (extension .svg) SVG.
 //
 // gnuplot draws them, as a program of its own (Debian: apt-get install gnuplot-nox): it is found on
 // PATH, gets its script on the standard input and never sees a file name or a shell. Texts are
 // shown letter by letter, whatever they contain. A picture appears complete or not at all
 // (atomic_file.hpp).
 //
+// ```cpp
 //   recon::HeatMap map;
-//   map.panels.push_back({.title = "density", .grid = grid, .values = density});
+//   map.panels.push_back({.title = "density", .grid = grid, .values = nodal_density});
 //   map.colour_label = "density / (kg/m^3)";
 //   recon::draw("density.png", map);
+// ```
 //
 // HeatMap. Each node of a 2-D grid is a rectangle of one spacing around it, coloured along viridis
 // (perceptually uniform, readable without red-green vision, grey in print); NaN is grey. Equal
@@ -38,14 +40,14 @@
 
 namespace recon {
 
-// A grid of one dimension less, with the values of a field of one component at its nodes.
+// Part of a grid, with one dimension less, and the values of a one-component field at its nodes.
 struct GridSlice {
   StructuredGrid<double> grid;
   std::vector<double> values;
 };
 
-// The nodes of `grid` whose index along `axis` is `index`. The remaining axes keep their order: the
-// slice of an x-y-z grid normal to y has the axes x and z.
+// Takes the nodes of `grid` whose index along `axis` is `index`. The remaining axes keep their
+// order: the slice of an x-y-z grid normal to y has the axes x and z.
 GridSlice slice(const StructuredGrid<double>& grid, std::span<const double> values, int axis,
                 std::size_t index);
 
@@ -75,12 +77,14 @@ struct ColourScale {
   double least = 0, greatest = 0;    // of all values
 };
 
-// The scale of colour_range, or else of the values without outliers. The hundredth part of the
-// values at either end (at least one value) set aside, the others have a width; what is more than
-// that width away from them is an outlier. Fewer than 20 values, and values of which nearly all are
-// the same, have none. (Of a normal distribution none in a million is one.)
+// The scale of colour_range or, without one, of the values that are no outliers. For these the
+// hundredth part of the values at either end (at least one value) is set aside; the rest has a
+// width, and a value that is more than that width away from the rest is an outlier. Fewer than 20
+// values, and values of which nearly all are the same, have no outliers. (Of a normal distribution
+// none in a million is one.)
 ColourScale colour_scale(const HeatMap& map);
-// "beyond the colours: 3 nodes above, up to 6.7; 1 below, down to -2"; empty where none is.
+// A sentence for the reader: "beyond the colours: 3 nodes above, up to 6.7; 1 below, down to -2";
+// empty where no value is beyond.
 std::string describe_beyond(const ColourScale& scale);
 
 enum class CurveStyle { line, markers, line_and_markers };
@@ -98,7 +102,8 @@ struct LinePlot {
   std::string x_label = "x", y_label = "y";
   bool log_x = false, log_y = false;
   std::optional<Range> x_range, y_range;  // default: what the curves cover, and a margin
-  // A dashed line y ~ x^slope below the first curve, to compare with; needs both axes logarithmic.
+  // Draws a dashed line y ~ x^slope below the first curve, to compare with; both axes must
+  // be logarithmic.
   std::optional<double> reference_slope;
   double scale = 1;
 };
@@ -106,7 +111,8 @@ struct LinePlot {
 void draw(const std::filesystem::path& path, const HeatMap& map);
 void draw(const std::filesystem::path& path, const LinePlot& plot);
 
-// Throws the FileError of draw() for an extension other than .png and .svg.
+// Throws the FileError of draw() for an extension other than .png and .svg, before
+// anything is drawn.
 void require_picture_extension(const std::filesystem::path& path);
 
 }  // namespace recon

@@ -2,37 +2,40 @@
 //
 // Formats are told apart by what a file contains, not by its name, and gzip is undone on the way:
 //
-//   LAMMPS text dump    one or more frames; columns of any kind in any order; boundary flags give
+//   LAMMPS text dump    One or more frames; columns of any kind in any order; boundary flags give
 //                       the periodic axes. Boxes are orthogonal or triclinic, restricted (tilts xy,
 //                       xz, yz) or general (abc origin): see ParticleTable::set_cell(). Scaled
 //                       coordinates xs, ys, zs become columns x, y, z, and xsu, ysu, zsu become
 //                       xu, yu, zu (x = origin + xs a + ys b + zs c with the edges of the box),
 //                       unless those are there already.
-//   delimited text      commas, semicolons, tabs or blanks, with a line of column names before the
+//   delimited text      Commas, semicolons, tabs or blanks, with a line of column names before the
 //                       numbers, which may start with '#' or '%', or the names from the options.
-//                       Other lines that start with '#' or '%', and blank lines, are skipped; names
-//                       and cells may stand in double quotes ("" inside for one quote). A unit stays
-//                       part of the name: "x [m]". A first row without any number, before one that
-//                       has some, holds units: it is no particle, and told in a remark. An empty name
-//                       becomes column_<number>. Decimal sign is the point, whatever the locale.
+//                       Other lines that start with '#' or '%', and blank lines, are skipped. Names
+//                       and cells may stand in double quotes ("" inside for one quote). A unit
+//                       stays part of the name: "x [m]". A first row without any number, before one
+//                       that has some, holds units: it is no particle, and a remark says so. An
+//                       empty name becomes column_<number>. The decimal sign is the point, whatever
+//                       the locale.
 //
-// Rows keep the order of the file. Columns are typed when they are used (ParticleTable): text, empty
-// cells, numbers too large for double and names that several columns have are no error until a
-// column is asked for. Names that are not UTF-8 are read as Latin-1 (Windows-1252) and converted.
+// Rows keep the order of the file. Columns are checked when they are used (ParticleTable): text,
+// empty cells, numbers too large for double and names that several columns have are no error until
+// a column is asked for. Names that are not UTF-8 are read as Latin-1 (Windows-1252) and converted.
 //
 // What is wrong with a file throws FileError with the line: a broken or missing line, a wrong
 // number of cells, a damaged or cut gzip stream, bytes behind the gzip data, an unknown format.
 //
-// A file that ends within a frame (a run that was stopped, a copy that was broken off): the frames
-// before it are listed and read, with a remark; asking for the cut one is an error, and so is a
-// file without a whole frame. Where the last line is complete but for its line break, its last
-// number may lack figures: a remark says so.
+// A file may end within a frame, because a run was stopped or a copy was broken off. The frames
+// before that one are listed and read, with a remark; asking for the cut one is an error, and so is
+// a file without a whole frame. Where the last line is complete but for its line break, its last
+// number may lack digits: a remark says so.
 //
 // All frames, with the memory of one:
 //
+// ```cpp
 //   recon::FrameReader frames("chute.dump.gz");
 //   while (std::optional<recon::ParticleTable> table = frames.next()) use(*table);
-//   if (!frames.cut().empty()) warn(frames.cut());
+//   if (!frames.cut().empty()) std::cerr << frames.cut() << std::endl;
+// ```
 //
 // Cost: one pass over the file to find the frames, and one over the frame asked for; memory for
 // that frame only. A frame counted from the front is read without looking at what comes after it.
@@ -61,31 +64,32 @@ struct FrameInfo {
 };
 
 struct ReadOptions {
-  // One frame, by one of these: its number, counted from 0, or from the end (-1 is the last); its
-  // step; its time (to 1e-9 of it). FrameReader takes all frames and looks at none of them.
+  // Which frame is read. Give one of these: its number, counted from 0, or from the end (-1 is the
+  // last); its step; its time (to 1e-9 of it). FrameReader takes all frames and ignores them.
   int frame = -1;
   std::optional<std::int64_t> step = {};
   std::optional<double> time = {};
-  // Names of all columns, in place of those of the file, which then needs none.
+  // Names of all columns, which replace those of the file; it then needs none.
   std::vector<std::string> columns = {};
-  // Lines at the beginning of the file that are not looked at.
+  // The number of lines to skip at the beginning of the file.
   std::size_t skip_rows = 0;
-  // What stands for "no value": see ParticleTable::declare_missing(). Particles without a value in a
-  // column that is used are left out by ParticleTable::leave_out_missing().
+  // What marks a cell without a value: see ParticleTable::declare_missing(). Particles without a
+  // value in a column that is used are left out by ParticleTable::leave_out_missing().
   std::vector<std::string> missing = {};
 };
 
-// All whole frames of a file, in the order of the file, whatever frame the options ask for.
-// Delimited text is one frame.
+// Lists all complete frames in the order of the file, whatever frame the options ask for. Delimited
+// text is one frame.
 std::vector<FrameInfo> list_frames(const std::filesystem::path& path,
                                    const ReadOptions& options = {});
 
-// The particles of one frame. Throws FileError for a frame that the file does not have, telling
-// which there are, and for a file that is not there, naming files of that directory with a like
-// name; InvalidArgument where more than one of frame (other than -1), step and time is given.
+// Reads the particles of one frame. Throws FileError for a frame that the file does not have,
+// telling which it has, and for a file that is not there, naming files of that directory with
+// a similar name. Throws InvalidArgument where more than one of frame (other than -1), step
+// and time is given.
 ParticleTable read_particles(const std::filesystem::path& path, const ReadOptions& options = {});
 
-// The same from bytes in memory, as a file would have them (gzip too); `name` stands in messages.
+// Both also read bytes in memory, as a file has them (gzip too); messages call them `name`.
 std::vector<FrameInfo> list_frames_of(std::string_view bytes, const ReadOptions& options = {},
                                       const std::string& name = "memory");
 ParticleTable read_particles_of(std::string_view bytes, const ReadOptions& options = {},
@@ -100,17 +104,18 @@ class FrameReader {
   FrameReader(FrameReader&&) noexcept;
   FrameReader& operator=(FrameReader&&) noexcept;
 
-  // The next frame as read_particles() gives it; nothing behind the last whole one. Throws
-  // FileError for what is wrong within a frame, and where not even the first one is whole.
+  // The next frame as read_particles() gives it; empty after the last complete one. Throws
+  // FileError for what is wrong within a frame, and where not even the first one is complete.
   std::optional<ParticleTable> next();
-  // Passes over a frame without reading its atoms; what it is, or nothing at the end.
+  // Skips a frame without reading its particles. Returns what it is, or nothing at the end.
   std::optional<FrameInfo> skip();
 
-  // Number of the frame that the next call gives, counted from 0.
+  // The number of the frame that the next call gives, counted from 0.
   std::size_t position() const;
-  // After the last whole frame: where and why the file ends within a frame; else empty.
+  // After the last complete frame: where and why the file ends within a frame, if it
+  // does; else empty.
   const std::string& cut() const;
-  // Part of the file's bytes that were read, from 0 to 1.
+  // The part of the file's bytes that has been read, from 0 to 1.
   double progress() const;
 
  private:

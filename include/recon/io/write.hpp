@@ -8,21 +8,21 @@
 // write() chooses by the extension. All of them write the whole file or none of it
 // (atomic_file.hpp).
 //
-// CSV. One header line: x, y, z (as many as there are dimensions), then the fields under their own
-// names; a field of several components becomes name_x, name_y, name_z where it has as many
-// components as there are dimensions, else name_0, name_1, ... Numbers have the fewest digits that
-// read back to the same bits, NaN is written as nan. Names are quoted where they hold a delimiter,
-// a quote, a blank at an end, or could be taken for a number or a comment. read_particles() reads
-// the file back.
+// CSV. One header line: x, y, z (as many as there are dimensions), then the fields under their
+// own names; a field of several components becomes name_x, name_y, name_z where it has as many
+// components as there are dimensions, else name_0, name_1, ... Numbers have the fewest digits
+// that read back to the same bits, NaN is written as nan. Names are quoted where they hold a
+// delimiter, a quote, a blank at an end, or could be taken for a number or a comment.
+// read_particles() reads the file back.
 //
 // VTK. Little-endian on any machine, raw binary appended to the XML, 64-bit headers, no
 // compression; cost and size are those of the numbers. Step and time of the FieldSet become field
-// data under the names "step" and "TimeValue" (the one that ParaView takes for the time).
-// Vectors are written with three components x, y, z and tensors with nine, xx, xy, ..., zz, whatever
-// the dimension (FieldKind says which is which; components that the data lack are 0): arrows, warps
-// and stream lines take nothing else. Missing axes of a 1-D or 2-D grid or cloud are written as one
-// node, or zero. The writer is recon's own because
-// the only packaged one is VTK itself: 257 packages and 0.8 GB on Debian 12 for 200 lines.
+// data under the names "step" and "TimeValue" (the one that ParaView takes for the time). Vectors
+// are written with three components x, y, z and tensors with nine, xx, xy, ..., zz, whatever the
+// dimension, because arrows, warps and stream lines take nothing else. FieldKind says which fields
+// are vectors and tensors; components that the data lack are 0. Missing axes of a 1-D or 2-D grid
+// are written as one node, those of a cloud as zero. The writer is recon's own because the only
+// packaged one is VTK itself: 257 packages and 0.8 GB on Debian 12 for 200 lines.
 //
 // Wrong input throws InvalidArgument: fields that are not one value per point, a coordinate that is
 // not finite, two columns of one name. Trouble with the file throws FileError.
@@ -45,22 +45,23 @@ void write_vti(const std::filesystem::path& path, const StructuredGrid<double>& 
 void write_vtp(const std::filesystem::path& path, const PointsView<double>& points,
                const FieldSet& fields);
 
-// A file of a series: its name as the .pvd has it (relative to that one's folder) and its time.
+// One file of a series: its name as the .pvd has it (relative to the folder of the
+// .pvd), and its time.
 struct TimedFile {
   double time = 0;
   std::filesystem::path file;
 };
-// Throws InvalidArgument for a time that is not finite, a name that is not UTF-8.
+// Throws InvalidArgument for a time that is not finite, and for a name that is not UTF-8.
 void write_pvd(const std::filesystem::path& path, const std::vector<TimedFile>& files);
 
-// By extension: .csv or .vti for a grid, .csv or .vtp for points. FileError for another one.
+// Chooses by the extension: .csv or .vti for a grid, .csv or .vtp for points. FileError for others.
 void write(const std::filesystem::path& path, const StructuredGrid<double>& grid,
            const FieldSet& fields);
 void write(const std::filesystem::path& path, const PointsView<double>& points,
            const FieldSet& fields);
 
 // Throws the FileError of write() for an extension that it does not know, so that a program can
-// find out before a long computation. grid: whether a grid is to be written, or points.
+// find out before a long computation. grid: whether a grid or points will be written.
 void require_writable_extension(const std::filesystem::path& path, bool grid);
 
 }  // namespace recon

@@ -1,17 +1,18 @@
 // In which directions the slope of a local fit is resolved, and how much it amplifies errors.
 //
-// Of polynomials P_j that are orthonormal on the particles (sum_p w_p P_i P_j = delta_ij) let G_j
-// be the gradients at the target, in xi = (x_p - x) / rho. The slope of the fit along a unit vector
-// n is
+// Let P_j be polynomials that are orthonormal on the particles (sum_p w_p P_i P_j = delta_ij),
+// and G_j their gradients at the target, in xi = (x_p - x) / rho. The slope of the fit along a
+// unit vector n is
 //     n . g = (1 / rho) sum_p w_p sum_j (n . G_j) P_j(xi_p) u_p ,
 // and by Cauchy and Schwarz it amplifies errors in the data, in units of rho, at most
-//     a(n) = sqrt(sum w  n^T S n) times,   S = sum_j G_j G_j^T:  the linear block of M^-1.
+// a(n) times, where
+//     a(n) = sqrt(sum_p w_p  n^T S n) ,   S = sum_j G_j G_j^T:  the linear block of M^-1.
 // At degree 1, 1 / a(n) is the extent of the particles along n, in support radii: their weighted
 // standard deviation. A polynomial of degree R may be R^2 times as steep (Markov 1889), so that the
 // extent is taken to be R^2 / a(n). It also shrinks where curved terms explain the linear one, as
-// on a thin curved sheet. Where it is below FitTolerances::gradient_extent nobody can mean a slope:
-// noise of the data would be divided by next to nothing. The gradient is then projected onto the
-// other directions.
+// on a thin curved sheet. Where the extent is below FitTolerances::gradient_extent a slope has no
+// meaning: noise of the data would be divided by next to nothing. The gradient is then projected
+// onto the other directions.
 //
 // The default of 1e-3 was chosen by measurement: with two or more neighbours per term no target in,
 // at the wall of, or outside the corner of regular, jittered and random clouds in 2-D and 3-D has
@@ -20,8 +21,8 @@
 // extent of 3e-5.
 //
 // The directions are the eigenvectors of S. They are found from the G_j themselves (one-sided
-// Jacobi, Hestenes 1958), so that a thickness of 1e-12 beside an extent of 1 loses no digits to the
-// squares.
+// Jacobi, Hestenes 1958), so that a thickness of 1e-12 beside an extent of 1 loses no digits
+// to the squares.
 #pragma once
 
 #include <algorithm>
@@ -36,12 +37,12 @@ struct GradientResolution {
   int rank = 0;             // directions in which the slope is resolved
   T amplification2 = T(0);  // the largest a(e_d)^2 over the axes of what is left
   std::array<std::array<T, D>, D> projector{};  // onto those directions
-  std::array<bool, D> dropped{};                // row of slope by row: it is none of those
+  std::array<bool, D> dropped{};                // which rows of `slope` are not resolved
 
-  // slope[d]: `count` numbers, component d of each G_j. They are overwritten by the components
-  // n . G_j along the directions, which are orthogonal to each other. Of the D directions only
-  // `linear` have a slope at all, those along which linear terms were kept. Directions whose a(n)^2
-  // exceeds `limit2` are dropped.
+  // slope[d] has `count` numbers, component d of each G_j. They are overwritten by the components
+  // of G_j along the directions found, which are orthogonal to each other. Of the D directions only
+  // `linear` have a slope at all: those along which linear terms were kept. Directions n whose
+  // a(n)^2 exceeds `limit2` are dropped.
   static GradientResolution of(const std::array<T*, D>& slope, int count, const T& weight_sum,
                                int linear, const T& limit2) {
     using std::abs, std::sqrt;

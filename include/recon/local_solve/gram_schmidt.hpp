@@ -6,12 +6,11 @@
 // orthogonality that everything else relies on. Where all terms are clearly independent this is all
 // there is to do.
 //
-// Where they are not, the degrees are worked through again as whole blocks. Of the block of degree
-// k, less its part in the lower degrees, the singular directions are found, and a direction is
-// dropped when
+// Where they are not, the degrees are worked through again as whole blocks. Of the block of
+// degree k, less its part in the lower degrees, the singular directions are found. A direction
+// is dropped when
 //   - its independent part is at most `rank` (or the rounding of the coordinates) times its size:
-//   the
-//     particles do not resolve it, as y on a line of particles y = const; or
+//     the particles do not resolve it, as y on a line of particles y = const; or
 //   - the leverage of it, together with the directions of comparable size (singular values within a
 //     factor of two of the next), exceeds `leverage`: the target lies so far outside the particles
 //     in this direction that the fit would amplify noise by that factor. The factor is
@@ -20,13 +19,15 @@
 //     the weight the bound is several times too large. Nothing is dropped for its leverage where
 //     sum_p |phi_p| of all that is resolved, or of what is kept so far and these directions, stays
 //     within the limit.
-// The rest goes on. So the constant is never lost (partition of unity survives anything), and a
-// cloud on a line is still reproduced to the asked degree along the line. Dropping singular
-// directions instead of single monomials makes the result independent of the choice of axes: the
-// directions dropped in degree k are the leading forms of the polynomials that vanish on the
-// particles, and with the monomials scaled by sqrt(k! / alpha!) what is kept is the complement in
-// an inner product that rotations leave alone. A linear direction that is dropped takes its
-// products with it: the higher degrees are built from the kept linear directions only.
+//
+// The other directions are kept, and the next degree follows. So the constant is never lost
+// (partition of unity survives anything), and a cloud on a line is still reproduced to the asked
+// degree along the line. Dropping singular directions instead of single monomials makes the result
+// independent of the choice of axes: the directions dropped in degree k are the leading forms of
+// the polynomials that vanish on the particles, and with the monomials scaled by sqrt(k! / alpha!)
+// what is kept is the complement in an inner product that rotations leave alone. A linear direction
+// that is dropped takes its products with it: the higher degrees are built from the kept linear
+// directions only.
 //
 // Cost: 4 n m^2 multiplications for n particles and m terms; the block path about three times that.
 #pragma once
@@ -50,8 +51,8 @@ constexpr double factorial_of(int n) {
   return n < 2 ? 1.0 : n * factorial_of(n - 1);
 }
 
-// sqrt(k! / alpha!): with these factors the monomials of degree k turn orthogonally when the axes
-// do.
+// The factor sqrt(k! / alpha!): with it a rotation of the axes acts on the monomials of degree k as
+// an orthogonal matrix.
 template <std::size_t D>
 double rotation_scale(const std::array<std::uint8_t, D>& exponents) {
   double scale = 1;
@@ -73,7 +74,7 @@ class GramSchmidt {
   explicit GramSchmidt(FitTolerances tolerances = {})
       : tolerances_(tolerances), regular_(tolerances) {}
 
-  // Orthonormalises the basis on the cloud. Never fails: what could not be kept is in the report.
+  // Orthonormalises the basis on the cloud. It never fails: the report says what could not be kept.
   FitReport fit(const LocalCloud<T, D>& cloud) {
     FitReport report;
     using std::sqrt;
@@ -85,19 +86,19 @@ class GramSchmidt {
     const T limit = T(tolerances_.leverage);
     if (!regular && regular_.independent()) regular = kept().absolute_sum() <= limit;
     if (regular) {
-      report.smallest_pivot = to_float(regular_.smallest_pivot());
+      report.smallest_pivot = detail::to_float(regular_.smallest_pivot());
       detail::report_full<B>(report);
     } else {
-      // The limit is on what the whole fit amplifies. Only where that is too much does it fall on
-      // directions; else the result would depend on whether the terms, which know the axes, were
-      // clearly independent.
+      // The limit is on what the whole fit amplifies. Single directions are dropped only where that
+      // is too much. Otherwise the result would depend on whether the monomials were clearly
+      // independent, which depends on the choice of axes.
       const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
       const bool within = fit_blocks(cloud, thresholds, false, report);
       if (!within && !(kept().absolute_sum() <= limit)) fit_blocks(cloud, thresholds, true, report);
     }
     T amplification = T(sqrt(weight_sum_ * kept().christoffel()));
     if (amplification > limit) amplification = kept().absolute_sum();
-    report.amplification = to_float(amplification);
+    report.amplification = detail::to_float(amplification);
     const int linear = regular || !detail::is_monomials<B> ? D : report.kept[1] - flat_;
     kept().template resolve_gradient<B>(weight_sum_, tolerances_, linear, report);
     return report;
@@ -117,8 +118,8 @@ class GramSchmidt {
     return detail::sum_of<T>(n, [&](int p) { return a[p] * b[p]; });
   }
 
-  // Degree by degree, each as a block of singular directions. limited: those whose leverage exceeds
-  // the limit are dropped. Returns whether none does.
+  // Works through the degrees, each as a block of singular directions. limited: directions whose
+  // leverage exceeds the limit are dropped. Returns whether there was none.
   bool fit_blocks(const LocalCloud<T, D>& cloud, const detail::Thresholds<T>& thresholds,
                   bool limited, FitReport& report) {
     using std::sqrt;
@@ -144,7 +145,7 @@ class GramSchmidt {
     bool within = true;
     T smallest = T(1), drop = thresholds.drop;
     T floor = T(detail::rounding_margin) * cloud.noise *
-              root_sum;  // what rounding of the coordinates alone amounts to
+              root_sum;  // the size that rounding of the coordinates alone produces
     for (int k = 1; k <= B::degree && kept().rank() < n; ++k) {
       const int columns = fill_block(cloud, k, report.kept[1]);
       const int lower = kept().rank();
@@ -165,8 +166,8 @@ class GramSchmidt {
                        [&](int a, int b) { return size[a] > size[b]; });
       T shortest = size[order[0]];
       for (int i = 0; i < columns && kept().rank() < n;) {
-        // Directions of comparable size stand or fall together: which of them is which is
-        // arbitrary.
+        // Directions of comparable size are kept or dropped together, since it is arbitrary which
+        // of them is which.
         int end = i;
         T leverage2 = T(0);
         do {
@@ -188,8 +189,8 @@ class GramSchmidt {
           if ((limited && !inside) || !resolved || kept().rank() >= n) continue;
           if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
           ++report.kept[k];
-          shortest = smaller(size[c], shortest);
-          smallest = smaller(T((size[c] / whole) * (size[c] / whole)), smallest);
+          shortest = detail::smaller(size[c], shortest);
+          smallest = detail::smaller(T((size[c] / whole) * (size[c] / whole)), smallest);
         }
       }
       if (k == 1) {
@@ -197,19 +198,20 @@ class GramSchmidt {
         if constexpr (detail::is_monomials<B>) find_axes(report.kept[1]);
         // In the higher degrees rounding counts relative to the thinnest kept extent of the cloud,
         // and sizes are powers of that extent: only the relative test makes sense.
-        drop = larger(T(T(detail::rounding_margin) * cloud.noise * root_sum / shortest), drop);
+        drop =
+            detail::larger(T(T(detail::rounding_margin) * cloud.noise * root_sum / shortest), drop);
         floor = T(0);
       }
     }
-    report.smallest_pivot = to_float(smallest);
+    report.smallest_pivot = detail::to_float(smallest);
     detail::finish_report<B>(report);
     return within;
   }
 
-  // The coordinates for what comes after the linear block: the directions kept in it, which are the
-  // linear coefficients in the jets of its columns. Where the particles extend so little that a
-  // slope is out of the question, derivatives along the direction are left out from here on: at a
-  // thickness of 1e-12 they would be of the order of 1e24, and all others lost in their rounding.
+  // Sets the coordinates for the degrees after the linear block: the directions kept in it, which
+  // are the linear coefficients in the jets of its columns. Where the particles extend too little
+  // along a direction for a slope, derivatives along it are left out from here on: at a thickness
+  // of 1e-12 they would be of the order of 1e24, and all others would be lost in their rounding.
   void find_axes(int linear_directions) {
     using std::sqrt;
     const T limit2 = detail::gradient_limit2<T>(tolerances_, B::degree);
@@ -228,8 +230,8 @@ class GramSchmidt {
 
   T* block_column(int c, int n) { return block_.data() + static_cast<std::size_t>(c) * n; }
 
-  // The columns sqrt(w_p) m(xi_p) of degree k with their jets; for monomials of degree 2 and more
-  // in the coordinates along the kept linear directions. Returns how many there are.
+  // Forms the columns sqrt(w_p) m(xi_p) of degree k with their jets; the monomials of degree 2 and
+  // more are in the coordinates along the kept linear directions. Returns how many there are.
   int fill_block(const LocalCloud<T, D>& cloud, int k, int linear_directions) {
     const int n = cloud.size;
     const T* root = kept().root_weights();
@@ -274,14 +276,13 @@ class GramSchmidt {
     }
   }
 
-  // Taylor coefficients at the target of the monomial with these exponents in the rotated
-  // coordinates.
+  // The Taylor coefficients at the target of the monomial with these exponents in the
+  // rotated coordinates.
   template <class Exponents>
   static Jet rotated_jet(const Exponents& exponents, int k,
                          const std::array<std::array<T, D>, D>& axes) {
     Jet jet{};
-    std::array<int, 2>
-        factor{};  // the rotated coordinates that are multiplied, for degrees 1 and 2
+    std::array<int, 2> factor{};  // the factors of the monomial, for degrees 1 and 2
     int factors = 0;
     for (int d = 0; d < D; ++d)
       for (int e = 0; e < exponents[d] && factors < 2; ++e) factor[factors++] = d;
@@ -299,8 +300,8 @@ class GramSchmidt {
   }
 
   // One-sided Jacobi (Hestenes 1958): turns pairs of block columns until all are orthogonal; they
-  // are then the singular directions times their singular values. Jets and removed parts turn
-  // along.
+  // are then the singular directions times their singular values. Their jets and the parts removed
+  // from them are turned in the same way.
   void make_orthogonal(int columns, int lower, int n) {
     using std::abs, std::sqrt;
     const T tolerance = T(4) * std::numeric_limits<T>::epsilon();
@@ -330,8 +331,8 @@ class GramSchmidt {
     }
   }
 
-  // sum_p |phi_p| over what these directions of the block and the first `rank` kept columns add to
-  // the phi_p.
+  // The sum of |phi_p| over the particles, each phi_p being made of the first `rank` kept columns
+  // and these directions of the block only.
   template <class Sizes>
   T added_sum(const int* first, const int* last, const Sizes& size, int n, int rank) {
     using std::abs;
@@ -344,8 +345,8 @@ class GramSchmidt {
     });
   }
 
-  // Appends a direction of the given size, cleaned once more against all that is kept. False where
-  // nothing is left.
+  // Appends a direction of the given size, after removing once more its parts in all kept columns.
+  // Returns false where nothing is left.
   bool keep_direction(const T* direction, Jet direction_jet, T size, int n) {
     using std::sqrt;
     T* column = kept().next_column();
@@ -371,8 +372,8 @@ class GramSchmidt {
   std::vector<T> block_;    // one degree's columns in the block path
   std::vector<T> removed_;  // their parts in the lower degrees, B::size numbers per column
   std::vector<Jet> block_jets_;
-  // Rows: the axes of the block's coordinates, the identity for the linear block; and the same with
-  // zeros for those along which nothing is differentiated, `flat_` of them.
+  // The axes of the block's coordinates as rows (the identity for the linear block); and the same
+  // with zeros for the `flat_` axes along which nothing is differentiated.
   std::array<std::array<T, D>, D> axes_{}, slopes_{};
   int flat_ = 0;
 };

@@ -1,14 +1,13 @@
 // One target's local least-squares problem: minimise sum_p w_p (sum_j a_j m_j(xi_p) - u_p)^2.
 //
-// Shapes: n particles, terms m_j of a basis (basis/monomials.hpp). What comes out are shape
-// functions
+// Shapes: n particles, terms m_j of a basis (basis/monomials.hpp). The results are shape functions
 //     phi_p = w_p m(xi_p)^T M^-1 m(0) ,   M = sum_p w_p m(xi_p) m(xi_p)^T   (the moment matrix),
 // so that the fit at the target is sum_p phi_p u_p (Gong 2015, eq. 3.8 with b(0); corrected form of
 // Tran et al. 2019, eq. 17), and their derivatives:
 //   diffuse  of the local polynomial, the target held:  d phi_p = w_p m_p^T M^-1 dm(0)
 //   exact    of x -> phi_p(x), through weights and solve:
-//     d phi_p = dw_p lambda_p + w_p m_p^T M^-1 (dm(0) - sum_q dw_q lambda_q m_q),  lambda_q = m_q^T
-//     M^-1 m(0).
+//            d phi_p = dw_p lambda_p + w_p m_p^T M^-1 (dm(0) - sum_q dw_q lambda_q m_q)
+//            with lambda_q = m_q^T M^-1 m(0).
 // The second form holds the basis still while the target moves, which is allowed because the space
 // of polynomials is the same about every point.
 #pragma once
@@ -24,8 +23,9 @@
 
 namespace recon {
 
-// Inputs of one fit; the arrays are the caller's. Only particles with w > 0; in a pack, lanes with
-// fewer particles than others have w = 0 (and xi = 0, dw = 0) in the entries that they lack.
+// The input of one fit; the arrays are the caller's. All particles have w > 0, except in a
+// pack: lanes with fewer particles than others have w = 0 (and xi = 0, dw = 0) in the entries
+// that they lack.
 template <class T, int D>
 struct LocalCloud {
   int size = 0;                  // n
@@ -43,20 +43,23 @@ struct LocalCloud {
   }
 };
 
-// When a term counts as unresolved. See gram_schmidt.hpp for what each does.
+// The limits below which a term or a direction counts as unresolved; gram_schmidt.hpp says
+// how they are used.
 struct FitTolerances {
   double rank = 1e-10;     // drop a direction whose independent part is below this fraction of it
   double leverage = 30.0;  // drop a direction whose value at the target exceeds this times its size
                            // at the particles
-  double gradient_extent = 1e-3;  // no slope across particles that extend less than this many
-                                  // support radii (gradient_resolution.hpp); 0: any slope
+  // No slope across particles that extend less than this many support radii; 0: any slope
+  // (gradient_resolution.hpp).
+  double gradient_extent = 1e-3;
 };
 
 // Which derivatives of the shape functions to form.
 enum class Derivative { diffuse, exact };
 
-// Results, n entries each; null pointers are not written. Gradients have unit 1/length, Hessians
-// 1/length^2 (diffuse only), entries xx, xy, xz, yy, yz, zz as far as the dimension has them.
+// The results, n entries in each array; null pointers are not written. Gradients have the unit
+// 1/length. Hessians (diffuse only) have 1/length^2 and the entries xx, xy, xz, yy, yz, zz as far
+// as the dimension has them.
 template <class T, int D>
 struct ShapeArrays {
   T* value = nullptr;
@@ -64,7 +67,7 @@ struct ShapeArrays {
   std::array<T*, D*(D + 1) / 2> hessian{};
   Derivative kind = Derivative::exact;
 
-  // Arrays of n side by side in `memory`, which has room for jet_size(D) of them.
+  // Lays arrays of n numbers side by side in `memory`, which must hold jet_size(D) of them.
   static ShapeArrays in(T* memory, int n, Derivative kind, bool gradient, bool hessian) {
     ShapeArrays out;
     out.kind = kind;
@@ -81,19 +84,18 @@ struct ShapeArrays {
 
 namespace detail {
 
-// How many times the rounding of the coordinates a direction must extend to count as more than
+// A direction must extend this many times the rounding of the coordinates to count as more than
 // rounding. On particles that lie on a line or sphere up to rounding, the independent part measures
 // 0.3 to 2 roundings.
 inline constexpr int rounding_margin = 8;
 
-// Thresholds in the precision of T, all about the independent part of a term or direction relative
-// to the whole of it.
+// Thresholds in the precision of T. All are about the independent part p of a term or direction q,
+// relative to the whole of it.
 template <class T>
 struct Thresholds {
   T drop;              // ||p|| / ||q|| at or below: not resolved
   T clear2;            // (||p|| / ||q||)^2 above: clearly resolved, no closer look needed
-  T well_conditioned;  // the same for a moment matrix, which loses digits in proportion to 1 /
-                       // pivot
+  T well_conditioned;  // as clear2, for the moment matrix, which loses digits as 1 / pivot
 
   Thresholds(const FitTolerances& tolerances, const T& noise) {
     using std::sqrt;
@@ -108,8 +110,8 @@ struct Thresholds {
   }
 };
 
-// A slope of a fit of this degree that amplifies errors, in units of the support, more than this
-// (squared) is not resolved: gradient_resolution.hpp.
+// The square of the largest amplification, in units of the support, of a slope that is resolved in
+// a fit of this degree: gradient_resolution.hpp.
 template <class Scalar>
 Scalar gradient_limit2(const FitTolerances& tolerances, int degree) {
   const Scalar extent = static_cast<Scalar>(tolerances.gradient_extent);
@@ -117,7 +119,8 @@ Scalar gradient_limit2(const FitTolerances& tolerances, int degree) {
   return extent > Scalar(0) ? Scalar(limit * limit) : std::numeric_limits<Scalar>::max();
 }
 
-// Taylor coefficients of order <= 2 about the target, numbered as the monomials of degree <= 2.
+// The number of Taylor coefficients of order <= 2, which are numbered as the monomials
+// of degree <= 2.
 constexpr int jet_size(int dimension) {
   return 1 + dimension + dimension * (dimension + 1) / 2;
 }

@@ -1,9 +1,10 @@
-// One local fit with any solver, including the hand-over of what a solver cannot do to
-// Gram-Schmidt.
+// One local fit with any solver; what a solver cannot do is handed over to Gram-Schmidt.
 //
-//   LocalSolve<double, Monomials<3, 1>> solve(Solver::moment_matrix);
-//   FitReport report = solve.fit(cloud);            // cloud: LocalCloud, the caller's arrays
+// ```cpp
+//   recon::LocalSolve<double, recon::Monomials<3, 1>> solve(recon::Solver::moment_matrix);
+//   recon::FitReport report = solve.fit(cloud);     // cloud: LocalCloud, the caller's arrays
 //   solve.shape_functions(cloud, {.value = phi});   // phi[p] for each particle
+// ```
 //
 // T is float, double, long double or a number type of your own (docs/concepts.md), for which there
 // are the solvers moment_matrix and gram_schmidt; B any Basis. Objects keep their work space from
@@ -28,7 +29,7 @@ class LocalSolve {
                 "recon: the degree of the basis exceeds FitReport::max_degree");
   static_assert(std::numeric_limits<T>::is_specialized,
                 "recon: a scalar of your own needs std::numeric_limits");
-  // Those of Eigen ask more of T.
+  // The reference solvers, which are Eigen's, ask more of T than the others.
   static constexpr bool has_references = std::is_floating_point_v<T>;
 
   explicit LocalSolve(Solver solver, FitTolerances tolerances = {})
@@ -36,8 +37,8 @@ class LocalSolve {
         moment_matrix_(tolerances),
         gram_schmidt_(tolerances),
         reference_(solver, tolerances) {
-    require(has_references || !is_reference(), "solver", name_of(solver),
-            "must be moment_matrix or gram_schmidt for a scalar that is not built in");
+    detail::require(has_references || !is_reference(), "solver", name_of(solver),
+                    "must be moment_matrix or gram_schmidt for a scalar that is not built in");
   }
 
   FitReport fit(const LocalCloud<T, D>& cloud) {
@@ -47,9 +48,9 @@ class LocalSolve {
         moment_matrix_.gradient_resolved()) {
       report.solver = Solver::moment_matrix;
       report.neighbours = static_cast<std::uint32_t>(cloud.size);
-      report.smallest_pivot = to_float(moment_matrix_.smallest_pivot());
-      report.amplification = to_float(moment_matrix_.amplification());
-      report.gradient_amplification = to_float(moment_matrix_.gradient_amplification());
+      report.smallest_pivot = detail::to_float(moment_matrix_.smallest_pivot());
+      report.amplification = detail::to_float(moment_matrix_.amplification());
+      report.gradient_amplification = detail::to_float(moment_matrix_.gradient_amplification());
       detail::report_full<B>(report);
       return report;
     }

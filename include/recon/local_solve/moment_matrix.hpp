@@ -1,19 +1,19 @@
-// Moving least squares by the moment matrix (Gong 2015, eq. 3.6-3.8): the fast way where it is
-// safe.
+// Moving least squares by the moment matrix (Gong 2015, eq. 3.6-3.8): fast, used where it is safe.
 //
 //     M = sum_p w_p m_p m_p^T = L diag(d) L^T,   M c = m(0),   phi_p = w_p m_p^T c .
 // M is scaled to unit diagonal first. Each pivot is then the squared share of a term that is
 // independent of the terms before it, between 0 and 1; digits are lost in proportion to 1 / pivot.
-// Where the smallest pivot is below a quarter of the working precision (eps^(1/4)), or the fit
-// would amplify data errors by more than the leverage limit, the target is handed over to
-// Gram-Schmidt: same answer where both work, and a right one where this would not. So is one whose
-// gradient is not clearly resolved in all directions.
+// The target is handed over to Gram-Schmidt where the smallest pivot is below a quarter of the
+// working precision (eps^(1/4)), where the fit would amplify data errors by more than the leverage
+// limit, and where the gradient is not clearly resolved in all directions. Gram-Schmidt gives the
+// same answer where both work, and a right one where this would not.
 //
 // For monomials, M has only C(2 degree + D, D) different entries, the moments sum_p w_p xi^alpha:
 // those are summed. Cost: that many multiply-adds per particle, m^3 / 6 for the factors.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane. Lanes that are not safe go through
-// the same arithmetic with harmless numbers; what they leave is to be ignored.
+// the same arithmetic with harmless numbers; their results are meaningless, and the mask that fit()
+// returns excludes them.
 #pragma once
 
 #include <array>
@@ -56,8 +56,8 @@ class MomentMatrix {
     }
   }
 
-  // The same from moments summed elsewhere: moments[a] = sum_p w_p xi_p^alpha, alpha the exponents
-  // of term a of Monomials<D, 2 degree>.
+  // Factorises M from moments summed elsewhere: moments[a] = sum_p w_p xi_p^alpha, alpha being the
+  // exponents of term a of Monomials<D, 2 degree>.
   Mask factor(const Moments& moments, const T& noise) requires detail::is_monomials<B> {
     detail::unroll<m>([&](auto i) RECON_INLINE_LAMBDA {
       detail::unroll<i + 1>([&](auto j)
@@ -66,11 +66,11 @@ class MomentMatrix {
     return factor(noise);
   }
 
-  // All directions have a slope that is clearly resolved (gradient_resolution.hpp): asked apart
-  // from whether M is safe. And FitReport::gradient_amplification, where they have.
+  // Whether the slope is clearly resolved in all directions (gradient_resolution.hpp), a question
+  // apart from whether M is safe; and where it is, FitReport::gradient_amplification.
   const Mask& gradient_resolved() const { return gradient_resolved_; }
   const T& gradient_amplification() const { return gradient_amplification_; }
-  // D^-1/2 L^-1 times the scaled gradients at the target: the G_k of gradient_resolution.hpp.
+  // D^-1/2 L^-1 times the scaled gradients at the target: the G_j of gradient_resolution.hpp.
   std::array<std::array<T, D>, m> slopes() const {
     using std::sqrt;
     std::array<std::array<T, D>, m> g{};
@@ -79,13 +79,13 @@ class MomentMatrix {
       for (T& component : g[k]) component *= sqrt(inverse_[k]);
     return g;
   }
-  // The smallest pivot, FitReport::smallest_pivot; and FitReport::amplification.
+  // FitReport::smallest_pivot and FitReport::amplification.
   const T& smallest_pivot() const { return smallest_; }
   const T& amplification() const { return amplification_; }
-  // M^-1 e with e the basis at the target: phi_p = w_p m_p . coefficients().
+  // The solution of M c = m(0): phi_p = w_p m_p^T c.
   const Vector& coefficients() const { return value_; }
 
-  // M^-1 b.
+  // Returns M^-1 b.
   Vector solve(Vector b) const {
     for (int i = 0; i < m; ++i) {
       b[i] *= scale_[i];
@@ -100,7 +100,7 @@ class MomentMatrix {
 
   void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) const {
     const int n = cloud.size;
-    std::array<Vector, D> first{};  // M^-1 (dm(0) - what the weights' motion takes)
+    std::array<Vector, D> first{};  // M^-1 (dm(0) - sum_q dw_q lambda_q m_q)
     constexpr int seconds = D * (D + 1) / 2;
     std::array<Vector, seconds> second{};
     if (out.wants_gradient()) {
@@ -183,26 +183,26 @@ class MomentMatrix {
     return moments;
   }
 
-  // Where the moment of the product of terms i and j stands.
+  // The number of the moment of the product of terms i and j.
   static constexpr int place(int i, int j) {
     std::array<std::uint8_t, D> e = B::exponents[i];
     for (int d = 0; d < D; ++d) e[d] = static_cast<std::uint8_t>(e[d] + B::exponents[j][d]);
     return Monomials<D, 2 * B::degree>::find(e);
   }
 
-  // LDL^T of M, in place of its lower triangle, with all that is asked of it.
+  // Factorises M as L D L^T, in place of its lower triangle, and sets all that is asked about it.
   Mask factor(const T& noise) {
     const T weight_sum = lower_[0][0];
     const detail::Thresholds<T> thresholds(tolerances_, noise);
     const T& regular = thresholds.well_conditioned;
-    const T shortest = regular * regular * weight_sum;  // the linear terms have a size of their own
+    const T shortest = regular * regular * weight_sum;  // a least size for linear terms
     Mask safe = weight_sum > T(0);
     for (int j = 1; j < B::begin(2) && B::degree >= 1; ++j) safe = safe && lower_[j][j] > shortest;
 
     for (int i = 0; i < m; ++i) {
       using std::sqrt;
       safe = safe && lower_[i][i] > T(0);
-      scale_[i] = T(1) / sqrt(select(safe, lower_[i][i], T(1)));
+      scale_[i] = T(1) / sqrt(detail::select(safe, lower_[i][i], T(1)));
     }
     smallest_ = T(1);
     for (int j = 0; j < m; ++j) {
@@ -213,15 +213,15 @@ class MomentMatrix {
         pivot -= lower_[j][k] * row[k];
       }
       safe = safe && pivot > regular;
-      pivot_[j] = select(safe, pivot, T(1));
-      smallest_ = smaller(pivot_[j], smallest_);
+      pivot_[j] = detail::select(safe, pivot, T(1));
+      smallest_ = detail::smaller(pivot_[j], smallest_);
       inverse_[j] = T(1) / pivot_[j];
       for (int i = j + 1; i < m; ++i) {
         T value = lower_[i][j] * scale_[i] * scale_[j];
         for (int k = 0; k < j; ++k) value -= lower_[i][k] * row[k];
-        lower_[i][j] = select(safe, value * inverse_[j], T(0));
+        lower_[i][j] = detail::select(safe, value * inverse_[j], T(0));
       }
-      if (!any_lane(safe)) return safe;
+      if (!detail::any_lane(safe)) return safe;
     }
 
     using std::sqrt;
@@ -230,7 +230,7 @@ class MomentMatrix {
     value_ = solve(unit);
     T christoffel = T(0);
     for (int j = 0; j < m; ++j) christoffel += unit[j] * value_[j];
-    const T amplification2 = select(safe, weight_sum * christoffel, T(0));
+    const T amplification2 = detail::select(safe, weight_sum * christoffel, T(0));
     amplification_ = sqrt(amplification2);
     std::array<T, D> slopes2{};
     if constexpr (B::degree >= 1) {
@@ -243,9 +243,9 @@ class MomentMatrix {
     T total = T(0), largest = T(0);
     for (const T& slope2 : slopes2) {
       total += slope2;
-      largest = larger(slope2, largest);
+      largest = detail::larger(slope2, largest);
     }
-    gradient_amplification_ = sqrt(select(safe, weight_sum * largest, T(0)));
+    gradient_amplification_ = sqrt(detail::select(safe, weight_sum * largest, T(0)));
     gradient_resolved_ =
         weight_sum * total <= T(detail::gradient_limit2<Scalar>(tolerances_, B::degree));
     const auto limit = static_cast<Scalar>(tolerances_.leverage);

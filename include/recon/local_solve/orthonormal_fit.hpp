@@ -44,16 +44,17 @@ class OrthonormalFit {
     return sum;
   }
 
-  // sum_p |phi_p|, which sqrt(sum w * christoffel()) bounds.
+  // The sum of |phi_p| over the particles, which sqrt(sum w * christoffel()) bounds.
   T absolute_sum() {
     using std::abs;
     combine(lambda_.data(), [&](int j) { return jets_[j][0]; });
     return detail::sum_of<T>(n_, [&](int p) { return T(T(abs(lambda_[p])) * root_[p]); });
   }
 
-  // Completes the report by what the gradient is worth, and takes out of all derivatives to come
-  // what is not resolved: the directions in space, and of the second derivatives the polynomial
-  // whose slope is noise, too. For single targets; in `linear` directions there are slopes.
+  // Completes the report by the resolution of the gradient, and removes what is not resolved from
+  // all derivatives that follow: the unresolved directions in space, and from the second
+  // derivatives also the polynomial whose slope is noise. It works on single targets, not packs;
+  // there are slopes in `linear` directions.
   template <class B>
   void resolve_gradient(const T& weight_sum, const FitTolerances& tolerances, int linear,
                         FitReport& report) {
@@ -86,10 +87,10 @@ class OrthonormalFit {
         if (resolution_.dropped[d]) remove_from_second_derivatives(components[d]);
       for (int j = 0; j < rank && partial_; ++j) project(jets_[j]);
     }
-    report.gradient_amplification = to_float(T(sqrt(amplification2)));
+    report.gradient_amplification = detail::to_float(T(sqrt(amplification2)));
   }
 
-  // Room for up to `terms` columns of n entries; keeps none.
+  // Makes room for up to `terms` columns of n entries, and keeps none.
   void start(const LocalCloud<T, D>& cloud, int terms) {
     using std::sqrt;
     n_ = cloud.size;
@@ -103,14 +104,15 @@ class OrthonormalFit {
     for (int p = 0; p < n_; ++p) {
       const auto present = cloud.w[p] > T(0);
       root_[p] = sqrt(cloud.w[p]);
-      inverse_root_[p] = select(present, T(1) / select(present, root_[p], T(1)), T(0));
+      inverse_root_[p] =
+          detail::select(present, T(1) / detail::select(present, root_[p], T(1)), T(0));
     }
   }
   const T* root_weights() const { return root_.data(); }
   T* column(int j) { return columns_.data() + static_cast<std::size_t>(j) * n_; }
   T* next_column() { return column(rank_); }
   Jet& next_jet() { return jets_[rank_]; }
-  // The polynomial of column j has no derivatives from here on.
+  // From here on the polynomial of column j counts as having no derivatives.
   void flatten(int j) {
     for (int a = 1; a < jets; ++a) jets_[j][a] = T(0);
   }
@@ -118,10 +120,10 @@ class OrthonormalFit {
   void clear() { rank_ = 0; }
 
   // Removes from `column` (and its jet) its part in the span of the first `count` kept columns,
-  // once. With `removed`, adds what was taken away, column by column.
+  // once. `removed`, unless null, receives the sum of what was removed, column by column.
   void project_out(T* column, Jet& jet, int count, T* removed = nullptr) const {
-    // Classical: products with the same vector first, for several columns at once. Called twice it
-    // is as good as exact ("twice is enough", Giraud, Langou, Rozloznik 2005).
+    // Classical Gram-Schmidt: the products of several columns with the same vector come first.
+    // Called twice it is as good as exact ("twice is enough", Giraud, Langou, Rozloznik 2005).
     in_chunks(count, [&](int first, auto size) {
       constexpr int C = decltype(size)::value;
       std::array<T, C> r{};
@@ -143,7 +145,7 @@ class OrthonormalFit {
     });
   }
 
-  // Shape functions and derivatives, from columns and jets. cloud.dw is needed for exact gradients.
+  // Shape functions and derivatives from columns and jets. Exact gradients need cloud.dw.
   void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
     // lambda_p = phi_p / w_p, a polynomial.
     combine(lambda_.data(), [&](int j) { return jets_[j][0]; });
@@ -170,7 +172,7 @@ class OrthonormalFit {
           if (out.kind == Derivative::exact) out.gradient[d][p] += cloud.dw[d][p] * lambda_[p];
         }
       }
-    // The motion of the weights has parts in all directions.
+    // The change of the weights with the target has parts in all directions.
     if constexpr (LaneTraits<T>::lanes == 1)
       for (int p = 0; p < n_ && partial_ && out.wants_gradient(); ++p) {
         std::array<T, D> slope;
@@ -191,7 +193,7 @@ class OrthonormalFit {
   }
 
  private:
-  // Takes the polynomial sum_j c_j P_j out of the second derivatives.
+  // Removes the polynomial sum_j c_j P_j from the second derivatives.
   void remove_from_second_derivatives(const T* c) {
     T size2 = T(0);
     for (int j = 0; j < rank_; ++j) size2 += c[j] * c[j];
@@ -202,7 +204,8 @@ class OrthonormalFit {
     }
   }
 
-  // Leaves of the derivatives in a jet what lies in the resolved directions: Q g, Q H Q.
+  // Keeps of the derivatives in a jet (gradient g, Hessian H) what lies in the resolved
+  // directions: Q g, Q H Q.
   void project(Jet& jet) const {
     std::array<T, D> slope;
     std::array<std::array<T, D>, D> second, half;
@@ -224,7 +227,7 @@ class OrthonormalFit {
     }
   }
 
-  // body(first, integral_constant<int, size>) for chunks of up to 8 of `count` columns.
+  // Calls body(first, integral_constant<int, size>) for chunks of up to 8 of `count` columns.
   template <class Body>
   static void in_chunks(int count, Body&& body) {
     int first = 0;
@@ -238,7 +241,7 @@ class OrthonormalFit {
     if (count - first == 1) body(first, std::integral_constant<int, 1>{});
   }
 
-  // result_p = sum_j coefficient(j) u_j(p)
+  // Forms result_p = sum_j coefficient(j) u_j(p).
   template <class Coefficient>
   void combine(T* result, Coefficient coefficient) const {
     for (int p = 0; p < n_; ++p) result[p] = T(0);

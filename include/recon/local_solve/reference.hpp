@@ -1,11 +1,10 @@
-// Reference solvers on Eigen: pivoted Householder QR and SVD of the weighted basis A = diag(sqrt w)
-// m.
+// Reference solvers on Eigen: pivoted QR and SVD of the weighted basis A = diag(sqrt w) m.
 //
-// Slow and simple, to check the others with and to compare cost against. With A P = Q R the
-// orthonormal columns are those of Q with jets R^-T P^T origin; with A = U S V^T those of U with
-// jets S^-1 V^T origin. Both decide rank by magnitude over all terms at once, which can lose even
-// the constant; so a target that they find deficient is handed over to Gram-Schmidt like an
-// ill-conditioned moment matrix.
+// Slow and simple, to check the other solvers with and to compare their cost with. With Householder
+// QR, A P = Q R, the orthonormal columns are those of Q with jets R^-T P^T origin; with A = U S V^T
+// they are those of U with jets S^-1 V^T origin. Both decide rank by magnitude over all terms at
+// once, which can lose even the constant; so a target that they find deficient is handed over to
+// Gram-Schmidt like an ill-conditioned moment matrix.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,8 +34,8 @@ class ReferenceFit {
     fit_.start(cloud, B::size);
     if (cloud.size < B::size) return false;
     const int n = cloud.size;
-    // Floats are worked out in double: Eigen's sums are plain, and lose three digits over a million
-    // particles.
+    // Floats are treated in double: Eigen's sums are plain, and lose three digits over a
+    // million particles.
     using Work = std::conditional_t<std::is_same_v<T, float>, double, T>;
     using Matrix = Eigen::Matrix<Work, Eigen::Dynamic, Eigen::Dynamic>;
     Matrix a(n, B::size);
@@ -47,7 +46,7 @@ class ReferenceFit {
       for (int j = 0; j < B::size; ++j) a(p, j) = fit_.root_weights()[p] * values[j];
       weight_sum += Work(cloud.w[p]);
     }
-    // Columns of one length, as in the moment matrix scaled to unit diagonal.
+    // Scales all columns to the same length, as in the moment matrix scaled to unit diagonal.
     const Eigen::Matrix<Work, 1, Eigen::Dynamic> length = a.colwise().norm();
     const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
     const Work shortest = std::sqrt(Work(thresholds.clear2) * weight_sum);

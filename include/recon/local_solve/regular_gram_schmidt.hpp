@@ -8,7 +8,9 @@
 // bound of FitReport::amplification.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane. Lanes that are not regular go
-// through the same arithmetic with harmless numbers; what they leave is to be ignored.
+// through the same arithmetic with harmless numbers; their results are meaningless, and the mask
+// that fit() returns excludes them.
+//
 // Cost: 4 n m^2 multiply-adds for n particles and m terms.
 #pragma once
 
@@ -30,8 +32,9 @@ class RegularGramSchmidt {
 
   explicit RegularGramSchmidt(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
 
-  // Orthonormalises the basis on the cloud; false where that needs a closer look. What the gradient
-  // is worth is a question of its own: gradient_resolved().
+  // Orthonormalises the basis on the cloud; false where the target is not regular and must go
+  // through gram_schmidt.hpp. Whether the gradient is resolved is a question of its own:
+  // gradient_resolved().
   Mask fit(const LocalCloud<T, D>& cloud) {
     using std::sqrt;
     const int n = cloud.size;
@@ -48,8 +51,7 @@ class RegularGramSchmidt {
       for (int j = 0; j < B::size; ++j) fit_.column(j)[p] = fit_.root_weights()[p] * values[j];
     }
     const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
-    const T shortest =
-        thresholds.clear2 * weight_sum_;  // of the linear terms, which have a size of their own
+    const T shortest = thresholds.clear2 * weight_sum_;  // a least size for linear terms
     for (int j = 0; j < B::size; ++j) {
       T* column = fit_.next_column();
       auto& jet = fit_.next_jet();
@@ -60,30 +62,32 @@ class RegularGramSchmidt {
       const T part = square(column, n);
       regular = regular && part > thresholds.clear2 * whole;
       if (B::degree >= 1 && j < B::begin(2)) regular = regular && part > shortest;
-      if (!any_lane(regular)) return regular;
-      smallest_pivot_ =
-          smaller(select(regular, part, T(1)) / select(regular, whole, T(1)), smallest_pivot_);
-      const T scale = T(1) / sqrt(select(regular, part, T(1)));
+      if (!detail::any_lane(regular)) return regular;
+      smallest_pivot_ = detail::smaller(
+          detail::select(regular, part, T(1)) / detail::select(regular, whole, T(1)),
+          smallest_pivot_);
+      const T scale = T(1) / sqrt(detail::select(regular, part, T(1)));
       for (int p = 0; p < n; ++p) column[p] *= scale;
       for (T& coefficient : jet) coefficient *= scale;
       fit_.keep();
     }
     independent_ = regular;
-    amplification_ = sqrt(select(regular, weight_sum_ * fit_.christoffel(), T(0)));
+    amplification_ = sqrt(detail::select(regular, weight_sum_ * fit_.christoffel(), T(0)));
     T total = T(0), largest = T(0);
     for (const T& slope : fit_.slopes2()) {
       total += slope;
-      largest = larger(slope, largest);
+      largest = detail::larger(slope, largest);
     }
-    gradient_amplification_ = sqrt(select(regular, weight_sum_ * largest, T(0)));
+    gradient_amplification_ = sqrt(detail::select(regular, weight_sum_ * largest, T(0)));
     gradient_resolved_ =
         weight_sum_ * total <= T(detail::gradient_limit2<ScalarOf<T>>(tolerances_, B::degree));
     return regular && amplification_ <= T(static_cast<ScalarOf<T>>(tolerances_.leverage));
   }
 
-  // All terms are clearly independent: at most the amplification is in doubt.
+  // Whether all terms are clearly independent. Where they are and fit() is false, the
+  // amplification is too large.
   const Mask& independent() const { return independent_; }
-  // Where fit() is true: all directions have a slope that is clearly resolved.
+  // Where fit() is true: whether the slope is clearly resolved in all directions.
   const Mask& gradient_resolved() const { return gradient_resolved_; }
   const T& gradient_amplification() const { return gradient_amplification_; }
   // FitReport::smallest_pivot and FitReport::amplification; the sum of the weights.

@@ -1,4 +1,4 @@
-// What became of the fit at one target: how many particles, which terms, how well conditioned.
+// The outcome of the fit at one target: how many particles, which terms, how well conditioned.
 #pragma once
 
 #include <array>
@@ -41,26 +41,26 @@ struct FitReport {
   std::int8_t degree = -1;       // all polynomials up to this degree are reproduced; -1: none
   FitStatus status = FitStatus::no_support;
   Solver solver = Solver::gram_schmidt;  // the one that gave the result
-  // Directions in which the gradient is resolved: those in which linear terms are kept and the
-  // particles extend at least FitTolerances::gradient_extent support radii. gradient() is 0 in the
-  // rest. Below the dimension on lines and in sheets, however noisy; 0 at degree 0.
+  // The number of directions in which the gradient is resolved: those in which linear terms are
+  // kept and the particles extend at least FitTolerances::gradient_extent support radii.
+  // gradient() is 0 in the others. It is below the dimension on lines and in sheets, however
+  // noisy, and 0 at degree 0.
   std::uint8_t gradient_rank = 0;
-  // Independent directions kept within each degree: {1, 1, 0} in 2-D is what a cloud on a line
-  // gives.
+  // The number of independent directions kept within each degree: {1, 1, 0} on a line in 2-D.
   std::array<std::uint8_t, max_degree + 1> kept{};
-  // Smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with p_j
-  // the part of term q_j that is independent of the terms before it. The reciprocal condition
-  // number of that matrix is at most this, and can be much smaller (a 27th was met); 1 for
+  // The smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with
+  // p_j the part of term q_j that is independent of the terms before it. The reciprocal condition
+  // number of that matrix is at most this, and can be much smaller (27 times was met). 1 for
   // orthogonal terms, 0 where there is no fit.
   float smallest_pivot = 0;
   // A bound of sum_p |phi_p|, the factor by which the fit can amplify errors in the data:
-  // sqrt(sum_p w_p * e^T M^-1 e). 1 for Shepard; it grows as the target leaves the particles. Where
-  // the bound exceeds FitTolerances::leverage, as beside a dense cluster, it is sum_p |phi_p|
-  // itself, which then decides.
+  // sqrt(sum_p w_p * e^T M^-1 e) with e the basis at the target. It is 1 for Shepard, and grows as
+  // the target leaves the particles. Where the bound exceeds FitTolerances::leverage, as beside a
+  // dense cluster, sum_p |phi_p| itself stands here, and decides.
   float amplification = 0;
-  // The same for the slopes of the local polynomial, in the resolved directions: a bound of
-  // rho sum_p |d phi_p / d x_d|, the largest over the axes, sqrt(sum_p w_p * e_d^T M^-1 e_d).
-  // Errors of the data divided by the support, times this, are those of the gradient. 0 where
+  // The same for the slopes of the local polynomial in the resolved directions: sqrt(sum_p w_p *
+  // e_d^T M^-1 e_d), the largest over the axes d, a bound of rho sum_p |d phi_p / d x_d|. Errors
+  // of the data divided by the support radius, times this, are those of the gradient. 0 where
   // nothing is resolved.
   float gradient_amplification = 0;
 

@@ -1,13 +1,14 @@
-// The functions N_i of the grid, seen by particles that are points: S_ip = N_i(x_p), G_ip = grad
-// N_i.
+// The functions N_i of the grid for particles that are points: S_ip = N_i(x_p), G_ip
+// = grad N_i(x_p).
 //
 //   PointDomain   linear, the original material point method (Sulsky, Chen, Schreyer 1994)
 //   NineNode      quadratic elements of 2 x 2 cells (3 nodes in 1-D, 27 in 3-D)
 //   EightNode     serendipity elements of 2 x 2 cells, whose middle nodes are not used; 2-D only
 //   BSpline<P>    cardinal splines of degree P = 2, 3 about the nodes (eq. 23)
+//
 // (Andersen, Andersen 2007, section 3.4.) All of them live on the same nodes, so that methods are
-// compared at the same number of unknowns. Elements have negative functions: the mass of a node may
-// be negative.
+// compared at the same number of unknowns. The functions of elements are negative in parts, so the
+// mass of a node may be negative.
 //
 // Splines reach one node beyond the faces of the grid, and there are three ways to end them:
 //   corrected     the velocity of that node is 2 v_0 - v_1: its function goes to the two nodes next
@@ -18,9 +19,10 @@
 //                 the face the sum is below one
 //   linear_cells  linear functions in the outermost cells, splines inside; not continuous between
 //
-// A policy is a small struct: shape() writes S and G and gives back the particle's volume,
-// nodes_along() the first and the last node that it touches on an axis, and move() takes what it
-// remembers through a step. Bases that are products have axes(), the functions of each axis.
+// Each is a policy, a small struct: shape() writes S and G and returns the volume of the particle,
+// nodes_along() returns the first and the last node that the particle touches on an axis, and
+// move() updates through a step what the policy keeps with the particle. Bases that are products of
+// functions of the axes also have axes(), which returns those.
 #pragma once
 
 #include <string_view>
@@ -35,11 +37,12 @@ enum class SplineBorder { corrected, extra_column, linear_cells };
 
 namespace detail {
 
-// A point on an edge of its cell, or by rounding beyond, counts as a hair inside: so all nodes
-// which its gradients see get some of its mass, and with it its velocity.
+// A point on the edge of its cell, or beyond it by rounding, is treated as lying inside the cell by
+// this part of its edge. So every node that gets a force from the gradient at the point also gets
+// some of its mass, and with it its velocity.
 inline constexpr double hair = 1e-14;
 
-// The linear functions of a cell, xi from 0 to 1 over it.
+// The linear functions of a cell; xi runs from 0 to 1 over it.
 inline AxisShape linear(double xi, double h, int cell) {
   AxisShape axis;
   axis.first = cell;
@@ -53,12 +56,13 @@ inline AxisShape linear(double xi, double h, int cell) {
 inline AxisShape linear_at(double x, double lower, double h, int cell) {
   return linear(std::clamp((x - lower) / h - cell, hair, 1 - hair), h, cell);
 }
-// Going on beyond the cell.
+// The linear functions of a cell, continued beyond it.
 inline AxisShape linear_on(double x, double lower, double h, int cell) {
   return linear((x - lower) / h - cell, h, cell);
 }
 
-// Of the element that spans cells 2 e and 2 e + 1; xi runs from -1 to 1 over it.
+// The quadratic functions of the element that spans cells 2 e and 2 e + 1; xi runs from
+// -1 to 1 over it.
 inline AxisShape quadratic_element_at(double x, double lower, double h, int cell) {
   AxisShape axis;
   axis.first = cell / 2 * 2;
@@ -73,7 +77,8 @@ inline AxisShape quadratic_element_at(double x, double lower, double h, int cell
   return axis;
 }
 
-// The function of the node before the first one goes to those two, that beyond the last likewise.
+// Ends splines at the faces: the function of the node before the first one goes to the first two
+// nodes, and that of the node beyond the last one to the last two.
 inline void end_splines(AxisShape& axis, int cells, SplineBorder border) {
   const double twice = border == SplineBorder::corrected ? 2 : 0, once = twice / 2;
   const auto give = [&](int from, int next, int after) {
@@ -154,7 +159,7 @@ struct SplineAxis {
   }
 };
 
-// Remembers nothing from step to step.
+// A policy that keeps nothing with the particle.
 struct Memoryless {
   template <int D, class Velocity>
   static void move(const Grid<D>&, Particles<D>&, std::size_t, const Velocity&, double) {}
@@ -189,10 +194,11 @@ using NineNode = detail::ProductBasis<detail::QuadraticAxis>;
 template <int degree>
 using BSpline = detail::ProductBasis<detail::SplineAxis<degree>>;
 
-// G replaced by the slope of the least-squares plane through the nodes, weighted by S:
-// G_ip = S_ip D_p^-1 (x_i - x_p) with D_p = sum_i S_ip (x_i - x_p)(x_i - x_p)^T, which is h^2 / 4
-// on quadratic splines (Hu et al. 2018, MLS-MPM). sum_i G_ip = 0 and linear fields have their
-// gradient. Next to a face only two nodes are left on an axis, and both gradients are the same.
+// Quadratic splines with other gradients: G is the slope of the least-squares plane through the
+// nodes, weighted by S, G_ip = S_ip D_p^-1 (x_i - x_p) with D_p = sum_i S_ip (x_i - x_p)(x_i -
+// x_p)^T, which is h^2 / 4 on quadratic splines (Hu et al. 2018, MLS-MPM). sum_i G_ip = 0, and
+// gradients of linear fields are exact. Next to a face only two nodes are left on an axis, and both
+// kinds of gradient are the same.
 struct MomentGradients : BSpline<2> {
   template <int D>
   double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,

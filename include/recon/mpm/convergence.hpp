@@ -15,12 +15,12 @@ namespace recon::mpm {
 struct ConvergenceStudy {
   std::vector<std::string> methods;
   std::vector<int> cells;     // per unit length, ascending
-  std::vector<double> times;  // ascending, as parts of the problem's end
+  std::vector<double> times;  // ascending, as fractions of the end time
 };
 
-// One number: a field of a method at a time on a grid. order = log(error_before / error) /
-// log(h_before / h) against the grid before it, NaN for the first. A run that failed before the
-// time has NaN and its reason.
+// The error of one field of a method, at one time on one grid. order = log(error_before / error) /
+// log(h_before / h) relative to the grid before it, NaN for the first. A run that failed before
+// that time has NaN, and its reason in `failure`.
 struct ConvergenceRow {
   std::string method;
   int cells = 0;
@@ -30,8 +30,9 @@ struct ConvergenceRow {
   std::string failure;
 };
 
-// load(settings) reads the problem with "method.name=..." and "grid.cells=..." set. Told before
-// every run: its method and cells. Rows are sorted by method, time, field, norm, cells.
+// load(settings) reads the problem with "method.name=..." and "grid.cells=..." set.
+// progress() is called with method and cells before every run. Rows are sorted by method,
+// time, field, norm, cells.
 using LoadProblem = std::function<AnyProblem(std::span<const std::string> settings)>;
 std::vector<ConvergenceRow> converge(
     const LoadProblem& load, const ConvergenceStudy& study,

@@ -2,11 +2,11 @@
 //
 //     S_ip = average of N_i over the domain,   G_ip = average of grad N_i over the domain.
 //
-//   UniformGimp   a box about x_p that keeps its reference edges (Gong 2015, eq. 6.19)
-//   StretchedGimp the same, edges stretched by the diagonal of F (cpGIMP)
-//   Cpdi1         a parallelepiped carried by F, N_i interpolated between its corners
-//                 (eq. 6.21-6.27)
-//   Cpdi2         corners that move with the grid, quadrilaterals and hexahedra (eq. 6.28-6.32)
+//   UniformGimp    a box about x_p that keeps its reference edges (Gong 2015, eq. 6.19)
+//   StretchedGimp  the same, edges stretched by the diagonal of F (cpGIMP)
+//   Cpdi1          a parallelepiped deformed by F, N_i interpolated between its corners
+//                  (eq. 6.21-6.27)
+//   Cpdi2          corners that move with the grid, quadrilaterals and hexahedra (eq. 6.28-6.32)
 //
 // sum_i S_ip = 1, sum_i G_ip = 0, and linear fields are interpolated exactly. Policies as in
 // bases.hpp, where the points are.
@@ -21,7 +21,8 @@ namespace recon::mpm {
 
 namespace detail {
 
-// Averages over [x - l, x + l], cell by cell; the outermost cells go on.
+// The averages over [x - l, x + l], summed cell by cell. The outermost cells continue
+// beyond the grid.
 template <int D>
 AxisShape average(const Grid<D>& grid, int d, double x, double l) {
   AxisShape axis;
@@ -29,8 +30,8 @@ AxisShape average(const Grid<D>& grid, int d, double x, double l) {
   const int last = grid.cell(x + l, d);
   axis.first = grid.cell(x - l, d);
   axis.count = last - axis.first + 2;
-  require(axis.count <= AxisShape::most, "particle domain in cells", 2 * l / h,
-          "must be at most 32 along an axis");
+  recon::detail::require(axis.count <= AxisShape::most, "particle domain in cells", 2 * l / h,
+                         "must be at most 32 along an axis");
   std::fill_n(axis.S.begin(), axis.count, 0.0);
   std::fill_n(axis.G.begin(), axis.count, 0.0);
   for (int c = axis.first; c <= last; ++c) {
@@ -47,8 +48,9 @@ AxisShape average(const Grid<D>& grid, int d, double x, double l) {
   return axis;
 }
 
-// sum_a weight_a N_i(corner_a) and sum_a slope_a N_i(corner_a), gathered in the box of nodes about
-// the corners, or corner by corner where that box is large.
+// Sums over the corners a of a domain, S_i = sum_a weight_a N_i(corner_a) and G_i = sum_a slope_a
+// N_i(corner_a): one entry for each node of the box around the corners or, where that box is large,
+// one for each corner and node.
 template <int D>
 void from_corners(const Grid<D>& grid, const typename Particles<D>::Corners& corners,
                   const std::array<double, 1 << D>& weight,
@@ -106,7 +108,7 @@ void from_corners(const Grid<D>& grid, const typename Particles<D>::Corners& cor
 
 }  // namespace detail
 
-// Policies know how far they reach from x_p along an axis.
+// A policy whose domain extends by Domain::reach() to both sides of x_p along an axis.
 template <class Domain>
 struct Reaching : detail::Memoryless {
   template <int D>
@@ -117,7 +119,7 @@ struct Reaching : detail::Memoryless {
   }
 };
 
-// Boxes: half edges along the axes.
+// Domains that are boxes: reach() is the half edge along an axis.
 template <bool stretched>
 struct Gimp : Reaching<Gimp<stretched>> {
   template <int D>
@@ -125,7 +127,7 @@ struct Gimp : Reaching<Gimp<stretched>> {
     const double l = particles.half_edges[p].row(d).cwiseAbs().sum();
     return stretched ? l * std::abs(particles.F[p](d, d)) : l;
   }
-  // Inlined into the loops over particles, whose calls all are, it would be a quarter slower.
+  // Not inlined: the loops over particles, whose calls all are inlined, would be a quarter slower.
   template <int D>
   [[gnu::noinline]] static double shape(const Grid<D>& grid, const Particles<D>& particles,
                                         std::size_t p, ShapeFunctions<D>& out) {
@@ -144,8 +146,8 @@ struct Cpdi1 : Reaching<Cpdi1> {
   static double reach(const Particles<D>& particles, std::size_t p, int d) {
     return (particles.F[p] * particles.half_edges[p]).row(d).cwiseAbs().sum();
   }
-  // With x = x_p + H xi, xi in [-1, 1]^D: a corner's function has the average 1 / 2^D, its gradient
-  // H^-T s / 2^D, s the signs of the corner.
+  // With x = x_p + H xi, xi in [-1, 1]^D: the function of a corner has the average 1 / 2^D, and its
+  // gradient the average H^-T s / 2^D, with s the signs of the corner.
   template <int D>
   static double shape(const Grid<D>& grid, const Particles<D>& particles, std::size_t p,
                       ShapeFunctions<D>& out) {
@@ -174,8 +176,8 @@ struct Cpdi2 : Reaching<Cpdi2> {
   }
 
   // Averages of the corners' multilinear functions and of their gradients over the cell that the
-  // corners span; two Gauss points an axis are exact (they replace eq. 6.29-6.32, of which the first
-  // two are misprinted: docs/misprints.md, G23).
+  // corners span; two Gauss points an axis are exact (they replace eq. 6.29-6.32, of which the
+  // first two are misprinted: docs/misprints.md, G23).
   template <int D>
   struct Cell {
     std::array<double, 1 << D> weight{};
@@ -203,7 +205,7 @@ struct Cpdi2 : Reaching<Cpdi2> {
     }
 
    private:
-    // Of corner a at point g: its function, and the gradient of that in [-1, 1]^D.
+    // The function of corner a at Gauss point g, and its gradient in [-1, 1]^D.
     struct Gauss {
       double N[1 << D][1 << D];
       Vector<D> local[1 << D][1 << D];

@@ -21,18 +21,20 @@
 
 namespace recon::mpm {
 
-// velocity, displacement, stress, von_mises, pressure, F, det_F, density, mass, volume, body, id,
-// which are written where nothing is said, and velocity_gradient, energy.
+// All fields that particles can have in a frame: velocity, displacement, stress, von_mises,
+// pressure, F, det_F, density, mass, volume, body, id, which are the default, and
+// velocity_gradient, energy.
 std::span<const std::string> particle_fields();
 std::vector<std::string> default_particle_fields();
 
 struct FrameOptions {
-  std::vector<std::string> fields = default_particle_fields();  // of the particles
+  std::vector<std::string> fields = default_particle_fields();  // what particles have
   std::size_t first_listed = 0;  // frames before it are in another folder, and not in the lists
 };
 
-// Writes what map() left as the frame after those at `times`, to files in an existing folder, and
-// adds its time. InvalidArgument for a field that does not exist or is asked for twice.
+// Writes the state that map() computed last as the frame after those at `times`, to files in an
+// existing folder, and appends its time to `times`. Throws InvalidArgument for a field that does
+// not exist or is asked for twice.
 template <int D>
 void write_frame(const std::filesystem::path& folder, const std::string& name,
                  const Simulation<D>& simulation, std::vector<double>& times,

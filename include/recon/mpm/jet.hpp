@@ -17,13 +17,13 @@ struct Jet {
 
   Jet() = default;
   Jet(double constant) : value(constant) {}  // NOLINT: constants mix with jets
-  // The variable number i.
+  // The variable with number i and this value.
   static Jet variable(double value, int i) {
     Jet x(value);
     x.first[i] = 1;
     return x;
   }
-  // f(x) from the value of f and its derivatives there.
+  // The jet of f(x), from the value of f and its first two derivatives at x.value.
   static Jet chain(const Jet& x, double f, double df, double ddf) {
     Jet out(f);
     out.first = df * x.first;

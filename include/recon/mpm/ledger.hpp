@@ -1,4 +1,4 @@
-// The accounts of a simulation at one time: what should be conserved, and where it goes.
+// Momenta and energies of a simulation at one time: what should be conserved, and where it goes.
 //
 // Energies are at time t: velocities, known half a step earlier, are carried to t by half the step
 // before. Momenta are those of the half step itself, before boundaries act:
@@ -10,12 +10,12 @@
 //     kinetic        sum_p m_p v_p^2 / 2    node_kinetic   sum_i m_i v_i^2 / 2, with a consistent
 //                                                          mass sum_ij v_i M_ij v_j / 2
 //     strain         the integral of the strain energy
-//     linear_strain  sum_p V_p sigma_p : epsilon_p / 2 with epsilon the strain of Hooke's law (eq.
-//                    27), which misses 13 % at an amplitude of 0.1
-//     interpolation_error = (node_kinetic - kinetic), algorithmic_error = -(node_kinetic + strain),
-//                    both less their value at the start of the account
-// so that the change of kinetic + strain is minus their sum. Work of external forces is in the
-// algorithmic error.
+//     linear_strain  sum_p V_p sigma_p : epsilon_p / 2 with epsilon the strain of Hooke's law
+//                    (eq. 27), which misses 13 % at an amplitude of 0.1
+//     interpolation_error = node_kinetic - kinetic   and
+//     algorithmic_error   = -(node_kinetic + strain), both less their value at the start
+// of the account, so that the change of kinetic + strain is minus their sum. Work of external
+// forces is in the algorithmic error.
 #pragma once
 
 #include <array>
@@ -38,16 +38,17 @@ struct Ledger {
   double total() const { return kinetic + strain; }
 };
 
-// Between two momenta.
+// The distance between two vectors.
 inline double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-// The account of what map() left. Errors of energy are those since `start`; zero without.
+// The account of the state that map() computed last. Errors of energy are relative to the account
+// `start`; without one they are zero.
 template <int D>
 Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start = {});
 
-// Column names and a row of them, as ledger.csv has them.
+// The line of column names and a line of numbers, as ledger.csv has them.
 std::string ledger_header();
 std::string ledger_row(const Ledger& ledger);
 

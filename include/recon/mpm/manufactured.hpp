@@ -35,13 +35,13 @@ class Manufactured {
 
   virtual ~Manufactured() = default;
   virtual std::string name() const = 0;
-  // Of the particle that was at X.
+  // The exact state at time t of the particle with the reference position X.
   virtual State at(const Vector<D>& X, double t) const = 0;
-  // After this time the motion begins anew.
+  // The time after which the motion repeats itself.
   virtual double period() const = 0;
 };
 
-// Throws InvalidArgument for a name that is not there or not defined in D dimensions.
+// Throws InvalidArgument for an unknown name, and for one that is not defined in D dimensions.
 template <int D>
 std::shared_ptr<const Manufactured<D>> make_manufactured(std::string_view name, double G,
                                                          const NeoHookean& material,

@@ -18,27 +18,31 @@ struct Lame {
 
   // Throws InvalidArgument unless young > 0 and -1 < poisson < 0.5.
   static Lame from(double young, double poisson) {
-    require(young > 0 && std::isfinite(young), "young", young, "must be positive and finite");
-    require(poisson > -1 && poisson < 0.5, "poisson", poisson, "must lie between -1 and 0.5");
+    recon::detail::require(young > 0 && std::isfinite(young), "young", young,
+                           "must be positive and finite");
+    recon::detail::require(poisson > -1 && poisson < 0.5, "poisson", poisson,
+                           "must lie between -1 and 0.5");
     return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
   }
-  // Throws InvalidArgument unless mu > 0 and 3 lambda + 2 mu > 0, both finite, as of from().
+  // Throws InvalidArgument unless mu > 0 and 3 lambda + 2 mu > 0 and both are finite, as
+  // from() gives them.
   void validate() const {
-    require(mu > 0 && std::isfinite(mu), "mu", mu, "must be positive and finite");
-    require(3 * lambda + 2 * mu > 0 && std::isfinite(lambda), "lambda", lambda,
-            "must be finite and above -2 mu / 3");
+    recon::detail::require(mu > 0 && std::isfinite(mu), "mu", mu, "must be positive and finite");
+    recon::detail::require(3 * lambda + 2 * mu > 0 && std::isfinite(lambda), "lambda", lambda,
+                           "must be finite and above -2 mu / 3");
   }
   double p_wave_speed(double density) const { return std::sqrt((lambda + 2 * mu) / density); }
-  // sqrt(E / density), the speed in a thin bar.
+  // The speed sqrt(E / density) of waves in a thin bar.
   double bar_wave_speed(double density) const {
     return std::sqrt(mu * (3 * lambda + 2 * mu) / (lambda + mu) / density);
   }
 };
 
-// update() turns Cauchy stress (force / area) and strain energy per reference volume into those
-// after a step dt with the velocity gradient L (1 / time) that led to the deformation gradient F.
-// out_of_plane() is the stress along the directions that do not strain, of fewer than three: F and
-// the stress in the others determine it. Lame's constants are for the speed of waves.
+// A material has Lame's constants (for the speed of waves) and two functions. update() turns Cauchy
+// stress (force / area) and strain energy per reference volume into those after a step dt with the
+// velocity gradient L (1 / time) that led to the deformation gradient F. out_of_plane() is the
+// stress along the directions without strain, in 1-D and 2-D; it follows from F and the stress in
+// the other directions.
 template <class M>
 concept MaterialModel = std::derived_from<M, Lame> &&
     requires(const M& material, const Matrix<2>& F, const Matrix<2>& L, double dt,

@@ -10,12 +10,12 @@
 namespace recon::mpm {
 
 // What a particle is (domains.hpp), and with which functions it sees the grid (bases.hpp). Domains
-// other than the point need the linear basis. mls_bspline2: as bspline2, with the gradients of
+// other than the point need the linear basis. mls_bspline2 is bspline2 with the gradients of
 // MLS-MPM (Hu et al. 2018).
 enum class Domain { point, ugimp, cpgimp, cpdi1, cpdi2 };
 enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 
-// v_i at the nodes, d = x_i - x_p:
+// How the velocities v_i at the nodes follow from those of the particles, with d = x_i - x_p:
 //   mass_weighted  sum_p S_ip m_p v_p / m_i, which is Shepard's with the weight m_p S_ip
 //   mls            moving least squares, tensor cubic B-spline of support 2 h, moments on the grid
 //   imls           the same by graded Gram-Schmidt with neighbour lists; degree up to 3
@@ -28,46 +28,46 @@ enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 //                  orthogonal under S_ip (Fu et al. 2017)
 enum class VelocityMap { mass_weighted, mls, imls, cpls, taylor, affine, polynomial };
 
-// Mass, forces and, for maps that weight by mass, momentum of the nodes:
+// How mass, forces and, for maps that weight by mass, momentum of the nodes are integrated:
 //   particles    m_i = sum_p S_ip m_p,  f_i = -sum_p V_p sigma_p G_ip + external
-//   cells        density and stress fitted at the cell centres (quadratic B-spline of support 1.5
-//                h): m_i = sum_c rho_c N_i(x_c) V_c,  f_i = -sum_c sigma_c grad N_i(x_c) V_c +
-//                external (Gong 2015, eq. 5.9-5.14)
+//   cells        density and stress fitted at the cell centres (quadratic B-spline of support
+//                1.5 h): m_i = sum_c rho_c N_i(x_c) V_c,
+//                f_i = -sum_c sigma_c grad N_i(x_c) V_c + external (Gong 2015, eq. 5.9-5.14)
 //   nodal_cells  density and stress fitted at the nodes, linear between them, integrated over the
 //                part of each cell that is filled (Wallstedt, Guilkey 2011)
 //   taylor_cells density, momentum and stress as polynomials of each cell that keep its mass and
-//                momentum, at Gauss points; cells on the border of a body keep their particles
-//                (Wobbes et al. 2018)
+//                momentum, at Gauss points; cells on the border of a body keep their particles as
+//                points of integration (Wobbes et al. 2018)
 //   gauss_cells  the same with least squares at the Gauss points (Tran et al. 2019)
 enum class Quadrature { particles, cells, nodal_cells, taylor_cells, gauss_cells };
 
-// What particles take from the nodes, a_i = f_i / m_i:
+// How particles are updated from the nodes, with a_i = f_i / m_i:
 //   flip          v_p += k sum_i S a_i,  x_p += dt sum_i S v_i+
 //   pic           v_p  = sum_i S v_i+ ,  x_p += dt v_p
-//   xpic          v_p  = sum_i S (v*_i + k a_i),  v* = sum_{j < m} (1 - S+ S)^j v_i , S+ S v the
-//                 velocity that goes to the particles and back; m is Method::order (Hammerquist,
-//                 Nairn 2017)
+//   xpic          v_p  = sum_i S (v*_i + k a_i),  v* = sum_{j < m} (1 - S+ S)^j v_i , where S+ S v
+//                 is the velocity that goes to the particles and back; m is Method::order
+//                 (Hammerquist, Nairn 2017)
 //   fmpm          v_p  = sum_i S v*_i with v* of v_i+, also in L (Nairn, Hammerquist 2021)
 //   runge_kutta   the rates of flip in the classical four stages, velocities at whole steps
 //                 (Edwards, Bridson 2012). Stresses that are not functions of F, those of
 //                 LinearElastic, follow from the mean L of the stages
-// The velocities of particles are half a step behind their positions, so one velocity is right for
-// the position as well where the sources take the mean of two.
+// The velocities of particles are half a step behind their positions, so a single velocity serves
+// for the position where the sources take the mean of two.
 enum class Update { flip, pic, xpic, fmpm, runge_kutta };
 
-// lumped: m_i. consistent: M_ij = sum_p m_p S_ip S_jp, M v = p and M a = f (Andersen, Andersen
-// 2007, eq. 10, 17), by sparse Cholesky.
+// The mass matrix. lumped: the masses m_i alone. consistent: M_ij = sum_p m_p S_ip S_jp, M v = p
+// and M a = f (Andersen, Andersen 2007, eq. 10, 17), solved by sparse Cholesky.
 enum class MassMatrix { lumped, consistent };
 
-// Of which velocity L, and with it the stress, is made:
-//   last   of v_i+, at the old place of the particle. What the map takes from a velocity is taken
-//          from the strain only in the next step: energy is lost, less with short steps
-//   first  of v_i as it is mapped after the step, at the new place: in each step before the forces
-//          (Andersen, Andersen 2007, section 3.2). Strain and force are then transposes of each
-//          other, and energy oscillates without being lost (Bardenhagen 2002). Costs another map
+// From which nodal velocity the velocity gradient L, and with it the stress, is computed:
+//   last   from v_i+, at the old place of the particle. What the map removes from a velocity is
+//          removed from the strain only in the next step: energy is lost, less with short steps
+//   first  from v_i as it is mapped after the step, at the new place: in each step before the
+//          forces (Andersen, Andersen 2007, section 3.2). Strain and force are then transposes of
+//          each other, and energy oscillates without loss (Bardenhagen 2002). Costs a second map
 enum class StressUpdate { last, first };
 
-// What several places ask of a choice.
+// Kinds of these choices that are treated alike.
 inline bool is_element(Basis basis) {
   return basis == Basis::q8 || basis == Basis::q9;
 }
@@ -90,8 +90,8 @@ struct Method {
   Update update = Update::flip;
   std::string source;
 
-  int degree = 1;  // of the fits: 1 or 2, with imls up to 3
-  int order = 2;   // m of xpic and fmpm
+  int degree = 1;  // degree of the fits: 1 or 2, with imls up to 3
+  int order = 2;   // the order m of xpic and fmpm
   MassMatrix mass = MassMatrix::lumped;
   StressUpdate stress = StressUpdate::last;
   SplineBorder border = SplineBorder::corrected;
@@ -99,21 +99,22 @@ struct Method {
                                        // also those of gauss_cells
   bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
 
-  // Steps in units of h / (c_p + |v|): the longest in which small noise does not grow, with two
+  // Steps in units of h / (c_p + |v|): the longest with which small noise does not grow, for two
   // particles per cell and axis (docs/mpm.md has the measurement), and the default.
   double stable_courant(int dimension) const;
   double default_courant(int dimension) const;
-  // What breaks it whatever the step is: elements whose functions are negative always, quadrature
-  // over cells at free surfaces. A sentence; empty: nothing is known.
+  // A sentence about what breaks the method whatever the step is: always for elements, whose
+  // functions are negative in parts, and at free surfaces for quadrature over cells. Empty where
+  // nothing is known.
   std::string caveat() const;
 
   // Throws InvalidArgument for choices that do not go together, saying why.
   void validate(int dimension) const;
 };
 
-// All rows.
+// All methods of the table.
 std::span<const Method> methods();
-// Throws InvalidArgument for a name that is not there, with the nearest ones that are.
+// Throws InvalidArgument for an unknown name, with the nearest valid ones.
 const Method& method_named(std::string_view name);
 
 std::string_view name_of(Domain domain);

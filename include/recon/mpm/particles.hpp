@@ -30,15 +30,16 @@ struct Particles {
   std::vector<double> energy;      // strain energy of the particle
   std::vector<std::int32_t> body;  // number of its body
   std::vector<Corners> corners;    // of CPDI2 only, else empty
-  // Coefficients of the polynomials about the particle that its velocity field has beyond v, those
-  // of a particle in a row; of the maps affine (apic) and polynomial (polypic) only, else empty
+  // The coefficients of the polynomials about the particle that its velocity field has beyond v;
+  // those of one particle are consecutive. Only for the maps affine (apic) and polynomial
+  // (polypic), else empty
   std::vector<Vector<D>> modes;
 
   std::size_t size() const { return x.size(); }
   double volume(std::size_t p) const { return F[p].determinant() * volume0[p]; }
   double density(std::size_t p) const { return mass[p] / volume(p); }
 
-  // Of the parallelepiped.
+  // The corners of the parallelepiped of a particle.
   Corners domain(std::size_t p) const {
     const Matrix<D> edges = F[p] * half_edges[p];
     Corners at;
@@ -49,7 +50,7 @@ struct Particles {
     return at;
   }
 
-  // A particle at rest, undeformed.
+  // Adds a particle that is at rest and undeformed.
   void add(const Vector<D>& at, const Matrix<D>& half, double density, int of_body) {
     X.push_back(at);
     x.push_back(at);

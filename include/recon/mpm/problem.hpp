@@ -1,11 +1,14 @@
 // A problem: bodies of particles on a grid, what acts on them, and how it is to be solved.
 //
-//   recon::mpm::Problem<2> problem;
+// ```cpp
+//   recon::mpm::Problem<2> problem;  // or read_problem(), read_problem.hpp
 //   problem.grid = {{0, 0}, {1, 1}, 0.05};
-//   problem.materials = {recon::mpm::NeoHookean{Lame::from(1000, 0.3)}};
-//   problem.particles.add(...);                   // or a problem file, read_problem.hpp
+//   problem.materials = {recon::mpm::NeoHookean{recon::mpm::Lame::from(1000, 0.3)}};
+//   problem.densities = {1};
+//   problem.particles.add({0.5, 0.5}, half_edges, problem.densities[0], 0);  // particles.hpp
 //   problem.method = recon::mpm::method_named("cpls");
-//   recon::mpm::Simulation<2> simulation(problem);        // simulation.hpp
+//   recon::mpm::Simulation<2> simulation(problem);  // simulation.hpp
+// ```
 #pragma once
 
 #include <functional>
@@ -24,33 +27,35 @@
 
 namespace recon::mpm {
 
-// The nodes of the plane x_axis = at, which must be a plane of the grid. A velocity that is
-// set is held there, the others are free: fixed, all zero; roller, the one of the axis zero.
+// A boundary condition on the nodes of the plane x_axis = at, which must be a plane of the grid.
+// Velocity components that are set are held there, the others are free. fixed: all are zero.
+// roller: that along the axis is zero.
 template <int D>
 struct Boundary {
   int axis = 0;
   double at = 0;
   std::array<std::optional<double>, D> velocity{};
 
-  // Throws InvalidArgument for an axis or a plane that the grid does not have, or a velocity that
-  // is not finite.
+  // Throws InvalidArgument for an axis or a plane that the grid does not have, and for a velocity
+  // that is not finite.
   void validate(const Grid<D>& grid) const;
 };
 
-// A force on one particle. With `area` N A0 (reference normal times reference area), `magnitude` is
-// a pressure p and follows the surface: f = -p det F F^-T N A0. Without, the force is magnitude(t)
-// * direction.
+// A force on one particle. With `area` set to N A0 (reference normal times reference area),
+// `magnitude` is a pressure p that follows the surface: f = -p det F F^-T N A0. Without `area` the
+// force is magnitude(t) * direction.
 template <int D>
 struct Load {
   std::size_t particle = 0;
   Vector<D> direction = Vector<D>::Zero(), area = Vector<D>::Zero();
   std::function<double(double t)> magnitude;
 
-  // Throws InvalidArgument unless it is on one of so many particles, finite, with a magnitude.
+  // Throws InvalidArgument unless the particle exists, all numbers are finite and there
+  // is a magnitude.
   void validate(std::size_t particles) const;
 };
 
-// At time t, force.
+// The force at time t.
 template <int D>
 Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t) {
   const Matrix<D>& F = particles.F[load.particle];
@@ -67,11 +72,11 @@ struct TimeOptions {
   std::optional<double> courant;  // none: that of the method, Method::default_courant()
   double step = 0;                // of the rule `fixed`
 
-  // Throws InvalidArgument unless all are positive, courant and step finite.
+  // Throws InvalidArgument unless all are positive, and courant and step finite.
   void validate() const;
 };
 
-// What a run may take before it is refused (forecast.hpp).
+// Limits of memory and steps beyond which a run is refused before it begins (forecast.hpp).
 struct Limits {
   double memory = 0;  // bytes; 0: what the machine has available
   double steps = 1e9;
@@ -80,7 +85,7 @@ struct Limits {
   void validate() const;
 };
 
-// A step of time, and the particle that limits it.
+// A time step, and the particle that limits it.
 struct Step {
   double dt = 0;
   std::size_t particle = 0;
@@ -91,8 +96,8 @@ struct Problem {
   std::string title;
   Grid<D> grid;
   Particles<D> particles;
-  std::vector<Material> materials;  // of each body
-  std::vector<double> densities;    // reference density of each body
+  std::vector<Material> materials;  // one per body
+  std::vector<double> densities;    // reference density, one per body
   std::vector<Boundary<D>> boundaries;
   Vector<D> gravity = Vector<D>::Zero();
   // Adds a force per mass to out[p]; empty: none.
@@ -104,18 +109,19 @@ struct Problem {
   TimeOptions time;
   Limits limits;
   int threads = 0;  // 0: all
-  // Of what functions and initial values were made, by key: read_problem() fills it. A checkpoint
-  // belongs to problems with the same texts; what is not told here cannot be compared.
+  // The texts of the formulas that the functions and initial values were made from, by key;
+  // read_problem() fills it. A checkpoint belongs to problems with the same texts; functions
+  // without a text here cannot be compared.
   std::map<std::string, std::string> formulas{};
 
-  // Velocity, velocity gradient and body force are made those of `exact`.
+  // Sets velocities, velocity gradients and the body force to those of `exact`.
   void follow_exact();
-  // Throws InvalidArgument for everything that no step could be made of: choices of the method that
-  // do not go together, arrays of particles of wrong length, values that are not finite or have a
-  // wrong sign, a particle outside of the grid, a boundary on no plane of it, a material that is
-  // none. Everything that a problem file can have wrong in this way is found here, too.
+  // Throws InvalidArgument for a problem that cannot be stepped: choices of the method that do not
+  // go together, arrays of particles of wrong length, values that are not finite or have a wrong
+  // sign, a particle outside of the grid, a boundary on no plane of the grid, a body without a
+  // material. This includes everything of that kind that a problem file can have wrong.
   void validate() const;
-  // The same of particles that take the place of its own.
+  // Checks particles that would take the place of those of the problem.
   void validate(const Particles<D>& others) const;
 };
 
@@ -125,14 +131,16 @@ struct Problem {
 //   p_wave    courant h / c_p, bar_wave: courant h / sqrt(E / density), at the reference density
 template <int D>
 Step choose_step(const Problem<D>& problem);
-// max_p (c_p + |v_p|) dt / h of a step dt, whatever its rule is: what stability is about.
+// The number max_p (c_p + |v_p|) dt / h of a step dt, on which stability depends, whatever the rule
+// of the step is.
 template <int D>
 double courant_of(const Problem<D>& problem, double dt);
 
-// Throws InvalidArgument unless it is positive and finite.
+// Throws InvalidArgument unless the density is positive and finite.
 void validate_density(double density);
 
-// That exact solutions are for: of one body, and neo-Hookean. Throws InvalidArgument otherwise.
+// Throws InvalidArgument unless there is one body and it is neo-Hookean: exact
+// solutions are for these.
 const NeoHookean& material_of_exact(const std::vector<Material>& materials);
 
 }  // namespace recon::mpm

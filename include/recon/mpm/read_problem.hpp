@@ -1,7 +1,10 @@
 // Problems from TOML files. docs/mpm.md lists all keys.
 //
-//   auto problem = recon::mpm::read_problem("disks.toml", {"method.name=cpls", "cells=40"});
-//   std::visit([](auto& p) { ... }, problem);
+// ```cpp
+//   const std::vector<std::string> settings{"method.name=cpls", "grid.cells=40"};
+//   recon::mpm::AnyProblem file = recon::mpm::read_problem("disks.toml", settings);
+//   std::visit([](auto& any) { recon::mpm::Simulation simulation(any.problem); }, file);
+// ```
 //
 // Lengths, masses and times are in any consistent units. A value that may vary is a number or a
 // text with an expression of X, Y, Z (reference position), x, y, z (current position) and t;
@@ -43,7 +46,7 @@ using AnyProblem = std::variant<ProblemFile<1>, ProblemFile<2>, ProblemFile<3>>;
 AnyProblem read_problem(const std::filesystem::path& path,
                         std::span<const std::string> settings = {});
 
-// The same from the text of a file; `name` stands for the file in messages, and files that the text
+// Reads a problem from the text of a file. Messages call the file `name`, and files that the text
 // names are sought beside it.
 AnyProblem read_problem_text(const std::string& text, const std::filesystem::path& name,
                              std::span<const std::string> settings = {});

@@ -1,11 +1,12 @@
 // A problem from beginning to end, with everything that it leaves behind.
 //
-// In the folder:
+// The folder of a run has
 //   ledger.csv        an account of every step (ledger.hpp)
 //   NAME_*.vtp, ...   frames (frames.hpp)
 //   checkpoint.h5     the state at the last frame (checkpoint.hpp), from which a run goes on
-// A run that fails leaves all of it as it was at the last frame, and the ledger up to the step; one
-// that is stopped leaves a checkpoint of the step at which it was.
+//
+// A run that fails leaves frames and checkpoint as they were at the last frame, and the ledger up
+// to the step that failed. One that is stopped leaves a checkpoint of the step at which it was.
 #pragma once
 
 #include <functional>
@@ -17,30 +18,30 @@
 
 namespace recon::mpm {
 
-// The folder holds another run's ledger or checkpoint.
+// Thrown where the folder holds the ledger or the checkpoint of another run.
 class OtherRun : public FileError {
  public:
   using FileError::FileError;
 };
 
-// The checkpoint to go on from cannot be gone on from.
+// Thrown where a run cannot be continued from the given checkpoint.
 class NoRestart : public FileError {
  public:
   explicit NoRestart(const FileError& why) : FileError(why) {}
 };
 
 struct RunOptions {
-  std::filesystem::path folder{};   // is made
-  std::string name = "run";         // of the frames
+  std::filesystem::path folder{};   // created if need be
+  std::string name = "run";         // NAME of the frames
   std::filesystem::path restart{};  // a checkpoint to go on from; empty: from the start
-  bool overwrite = false;           // of another run's files
-  // Told before the first step, after which nothing stands in its way.
+  bool overwrite = false;           // whether files of another run may be
+  // Called before the first step, when everything has been checked.
   std::function<void(const Forecast& forecast)> begins{};
-  // Told after every step.
+  // Called after every step.
   std::function<void(double time, std::int64_t steps, const Step& step)> progress{};
-  // Told after every checkpoint.
+  // Called after every checkpoint.
   std::function<void(double time, std::int64_t steps)> saved{};
-  // Asked before every step: true ends the run there, with a checkpoint.
+  // Called before every step: true ends the run there, with a checkpoint.
   std::function<bool()> stop{};
 };
 
@@ -58,17 +59,17 @@ struct RunResult {
   bool stopped = false;  // as RunOptions::stop asked, before the end
 };
 
-// Goes on until the problem's end. A restart from a checkpoint in the folder goes on with the run
-// there: its ledger is kept up to the checkpoint, and its frames stay in the lists. Any other
-// run's files are overwritten only where that is asked for, else OtherRun is thrown. NoRestart
-// for a checkpoint that read_checkpoint() refuses or that is later than the end, FileError for files
-// that cannot be written, InvalidArgument for a problem without an end, or one that takes more than
-// there is (forecast.hpp), Failure where the run cannot go on.
+// Runs the problem to its end. A restart from a checkpoint in the folder continues the run there:
+// its ledger is kept up to the checkpoint, and its frames stay in the lists. Files of any other run
+// are overwritten only if RunOptions::overwrite says so; otherwise OtherRun is thrown. Throws
+// NoRestart for a checkpoint that read_checkpoint() refuses or that is later than the end,
+// FileError for files that cannot be written, InvalidArgument for a problem without an end or one
+// that takes more than there is (forecast.hpp), Failure where the run cannot go on.
 template <int D>
 RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
 
-// Steps without any output, until `end` exactly; the steps between are equal where their rule gives
-// the same for all. observe() is called after every map(), also the last one at `end`.
+// Steps until `end` exactly, without any output. The steps are equal where their rule gives the
+// same for all. observe() is called after every map(), also after the last one, at `end`.
 template <int D>
 void run_until(Simulation<D>& simulation, double end, const std::function<void()>& observe = {});
 

@@ -10,7 +10,8 @@
 
 namespace recon::mpm {
 
-// Nodes with their S and G (1 / length). A node may stand more than once. Memory is kept.
+// Nodes with their S and G (1 / length). A node may occur more than once. resize()
+// keeps the memory.
 template <int D>
 struct ShapeFunctions {
   std::vector<std::uint32_t> node;
@@ -24,7 +25,7 @@ struct ShapeFunctions {
   }
   std::size_t size() const { return node.size(); }
 
-  // sum_i S_i u_i and sum_i u_i (x) G_i.
+  // value() is sum_i S_i u_i, and gradient() is sum_i u_i (x) G_i.
   template <class Values>
   Vector<D> value(const Values& u) const {
     Vector<D> sum = Vector<D>::Zero();
@@ -41,14 +42,14 @@ struct ShapeFunctions {
 
 namespace detail {
 
-// The functions of one axis: `count` nodes from `first` on.
+// The functions of one axis at `count` consecutive nodes from `first` on.
 struct AxisShape {
   static constexpr int most = 34;
   int first = 0, count = 0;
   std::array<double, most> S, G;
 };
 
-// The first axis runs fastest.
+// The products of the functions of all axes; the first axis runs fastest.
 template <int D>
 void tensor_product(const Grid<D>& grid, const std::array<AxisShape, D>& axes,
                     ShapeFunctions<D>& out) {
@@ -59,7 +60,7 @@ void tensor_product(const Grid<D>& grid, const std::array<AxisShape, D>& axes,
   std::array<int, D> k{}, index;
   index[0] = line.first;
   for (std::size_t n = 0; n < count;) {
-    // Of the other axes: their product, and the products with one derivative.
+    // The product over the other axes, and the products in which one factor is a derivative.
     double S = 1;
     Vector<D> G = Vector<D>::Ones();
     for (int d = 1; d < D; ++d) {

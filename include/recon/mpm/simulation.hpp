@@ -1,40 +1,44 @@
 // The time steps: momentum on the grid, particles carried by it.
 //
-//   Simulation<D> simulation(problem);
+// ```cpp
+//   recon::mpm::Simulation<2> simulation(problem);
 //   while (simulation.time() < end) simulation.step(simulation.choose_step().dt);
+// ```
 //
 // A step is
 //   1  particles to nodes: v_i, m_i, f_i
 //   2  nodes: v_i += dt f_i / m_i
 //   3  nodes to particles
-// and map() is its first part alone, for those who want to see the nodes (or an account,
-// ledger.hpp) before the rest; step() does not do it again.
+// map() does the first part alone, for those who want to see the nodes (or an account, ledger.hpp)
+// before the rest; step() then does not do it again.
 //
-// Leapfrog: positions and stresses at t, velocities half a step earlier; the first kick takes half
-// a step, so that a start at t = 0 is of second order, and a step may follow one of another length.
-// With a_i = f_i / m_i, k = (dt_before + dt) / 2 and S, G of the particle's domain at the old
-// place:
+// Leapfrog: positions and stresses are at t, velocities half a step earlier. The first kick
+// takes half a step, so that a start at t = 0 is of second order, and steps may differ in
+// length. With a_i = f_i / m_i, k = (dt_before + dt) / 2, and S, G of the domain of the particle
+// at its old place:
 //     v_i+ = v_i + k a_i ,  v_p += k sum S a_i ,  x_p += dt sum S v_i+ ,  L = sum v_i+ (x) G ,
 //     F = (I + dt L) F ,  sigma = sigma(F)                              (Gong 2015, eq. 4.25-4.30)
-// G at the old place, not at the new one as the source prints, which costs an order.
+// G is taken at the old place; at the new one, as the source prints, it costs an order.
 //
-// Nodes lighter than 1e-10 of the heaviest feel gravity alone: forces on them would be divided by
-// next to nothing. Nodes without mass stay at rest. The same bits for any number of threads.
+// Nodes lighter than 1e-10 of the heaviest feel gravity alone, because forces on them would be
+// divided by next to nothing. Nodes without mass stay at rest. Results are the same bits for any
+// number of threads.
 //
-// A point that has just come into a cell of linear functions sees its far nodes with S near 0 and G
-// = 1 / h. Their acceleration by internal forces is as large as their mass is small; what the
-// particle takes from it, S a, is not, but L would be. So in L (not in v_p and x_p) the part of
-// internal forces in a_i is limited to what an explicit step bears,
-//     theta_i = min(1, 0.5 m_i / (k dt K_i)) of it,  K_i = sum_p V_p (lambda + 2 mu) |G|^2 ,
-// at nodes lighter than a tenth of the heaviest. Inside a body k dt K / m is about 2.5 (c_p dt /
-// h)^2. Domains and splines need no such thing: their |G|^2 / S is bounded.
+// A point that has just entered a cell of linear functions sees the far nodes of the cell with S
+// near 0 and G = 1 / h. The acceleration of these nodes by internal forces is large because their
+// mass is small. What the particle takes from it, S a, is not large, but its part of L would be. So
+// in L (not in v_p and x_p) only a fraction theta_i of the internal part of a_i counts, limited by
+// the stability of an explicit step:
+//     theta_i = min(1, 0.5 m_i / (k dt K_i)) ,  K_i = sum_p V_p (lambda + 2 mu) |G|^2 ,
+// at nodes lighter than a tenth of the heaviest. Inside a body k dt K / m is about
+// 2.5 (c_p dt / h)^2. Domains and splines need no such limit: their |G|^2 / S is bounded.
 //
 // A particle that is carried over a face of the grid whose nodes are held in normal direction, by
-// less than a thousandth of a cell, is put back on the face: averages over a sheared domain half
-// beyond it are not exactly at rest.
+// less than a thousandth of a cell, is put back on the face: averages over a sheared domain, half
+// of which lies beyond the face, are not exactly at rest.
 //
 // This is the update `flip`; method.hpp has the others. runge_kutta has velocities at t as well,
-// and takes four maps a step.
+// and calls map() four times a step.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -47,11 +51,11 @@
 
 namespace recon::mpm {
 
-// A run that cannot go on: a particle left the grid, was turned inside out, or is not finite; a
-// node has a mass that cannot be divided by.
+// Thrown where a run cannot go on: a particle left the grid, was turned inside out, or is not
+// finite; a node has a mass that cannot be divided by.
 class Failure : public std::runtime_error {
  public:
-  // place: "particle" or "node", whose number it is.
+  // place: "particle" or "node", the kind of thing that `number` counts.
   Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what);
   std::int64_t step() const { return step_; }
   std::size_t number() const { return number_; }
@@ -61,7 +65,7 @@ class Failure : public std::runtime_error {
   std::size_t number_;
 };
 
-// The velocity of a node along an axis is given.
+// A boundary condition: the velocity of a node along an axis is given.
 struct HeldVelocity {
   std::uint32_t node = 0;
   int axis = 0;
@@ -82,23 +86,24 @@ template <int D>
 struct Nodes {
   std::vector<double> mass;
   Eigen::SparseMatrix<double> mass_matrix;  // consistent mass, else empty
-  std::vector<Vector<D>> momentum;          // sum_p S m_p v_p, or what a map has for it
+  std::vector<Vector<D>> momentum;          // sum_p S m_p v_p, or as the map defines it
   std::vector<Vector<D>> force;             // internal and external
-  std::vector<Vector<D>> mapped;            // v_i as it was mapped, without the boundary's say
+  std::vector<Vector<D>> mapped;            // v_i as it was mapped, before boundary conditions
   std::vector<Vector<D>> velocity;          // v_i
   std::vector<Vector<D>> acceleration;      // f_i / m_i, zero where the velocity is held
-  // Of point particles in linear functions with lumped mass, else empty: the part of internal
+  // Only for point particles in linear functions with lumped mass, else empty: the part of internal
   // forces in `force`, and K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.
   std::vector<Vector<D>> internal;
   std::vector<double> stiffness;
-  FitReports fit;  // of a fitted velocity: its nodes are fit_nodes
+  FitReports fit;  // reports of a fitted velocity, at the nodes fit_nodes
   std::vector<std::uint32_t> fit_nodes;
   std::size_t unfitted = 0;  // nodes with mass whose velocity had to be mass-weighted
   std::size_t negative = 0;  // nodes of negative mass
 };
 
-// Of the quadrature `cells` at cell centres, of `nodal_cells` at the nodes: columns density, stress
-// by rows of its upper triangle; body force.
+// The fits of the quadrature, for `cells` at the cell centres and for `nodal_cells` at the
+// nodes. The columns of `values` are density, the stress (row after row of its upper triangle),
+// and body force.
 template <int D>
 struct Cells {
   Eigen::MatrixXd values;
@@ -115,35 +120,37 @@ class Simulation {
   double time() const { return time_; }
   std::int64_t steps() const { return steps_; }
   double last_step() const { return last_dt_; }  // dt of the step before; 0 at the start
-  // By how much the velocities of the particles are behind time().
+  // The time by which the velocities of the particles are behind time().
   double velocity_lag() const {
     return problem_.method.update == Update::runge_kutta ? 0 : last_dt_ / 2;
   }
   const Problem<D>& problem() const { return problem_; }
   const Particles<D>& particles() const { return problem_.particles; }
-  // What map() or step() left last: after map() the state of time(), after step() that in which the
-  // step moved its particles. Throw InvalidArgument before the first of either.
+  // The nodes and cells that map() or step() computed last: after map() those of the state at
+  // time(), after step() those with which the step moved its particles. Throw InvalidArgument
+  // before the first call of either.
   const Nodes<D>& nodes() const;
   const Cells<D>& cells() const;
-  // Are nodes() and cells() those of the particles as they are?
+  // Whether nodes() and cells() belong to the particles as they are now.
   bool mapped() const { return nodes_state_ == NodesState::mapped; }
   // The first node of negative mass, and the first whose mass changed its sign between two steps.
   const std::optional<NegativeMass>& negative_mass() const { return negative_mass_; }
   const std::optional<NegativeMass>& sign_change() const { return sign_change_; }
 
-  // The step by the rule of the problem (problem.hpp).
+  // The step that the rule of the problem gives (problem.hpp).
   Step choose_step() const { return mpm::choose_step(problem_); }
 
-  // Fills nodes() (and cells()) from the particles, once for each state. Throws Failure.
+  // Computes nodes() (and cells()) from the particles, once for each state. Throws Failure.
   void map();
   // Throws InvalidArgument for a step that is not positive and finite, or too short to move the
-  // clock; Failure where the particles cannot go on, of which some have moved. After that map()
-  // and step() throw InvalidArgument until restore() brings back a state.
+  // clock; Failure where the particles cannot go on. In the second case some of them have already
+  // moved: after that map() and step() throw InvalidArgument until restore() brings back a state.
   void step(double dt);
 
-  // Goes on from a state of another run of the same problem. Throws InvalidArgument, and leaves all
-  // as it was, for particles that are not as many, that Problem::validate() would refuse, or that
-  // lack what the method remembers; for a time, steps or a last step that none can have.
+  // Continues from a state of another run of the same problem. Throws InvalidArgument, and leaves
+  // everything as it was, for particles that differ in number, that Problem::validate() would
+  // refuse, or that lack what the method keeps with them, and for a time, a number of steps or a
+  // last step that no run can have.
   void restore(Particles<D> particles, double time, std::int64_t steps, double last_dt);
 
  private:
@@ -171,8 +178,8 @@ class Simulation {
   Problem<D> problem_;
   double time_ = 0, last_dt_ = 0;
   std::int64_t steps_ = 0;
-  // none: no map so far; mapped: of the particles as they are; stepped: of the step before;
-  // broken: a step has failed.
+  // What nodes() belong to. none: there was no map so far; mapped: the particles as they are;
+  // stepped: the particles before the last step; broken: a step has failed.
   enum class NodesState { none, mapped, stepped, broken };
   NodesState nodes_state_ = NodesState::none;
   Nodes<D> nodes_;

@@ -21,18 +21,19 @@ struct StabilityLimit {
   double measured = 0;  // greatest c_p dt / h at which noise does not grow
   double W = 0, Q = 1, analytic = 0;
 };
-// In 2-D and 3-D, and for 8-node elements always, without the formula (NaN), to two hundredths.
+// The largest stable step of a method, measured and by the formula above. In 2-D and 3-D, and for
+// 8-node elements always, the formula is missing (NaN), and the measurement is to two hundredths.
 StabilityLimit stability_limit(const Method& method, int per_cell, int dimension = 1);
 
-// Does small noise stay small at this c_p dt / h, with so many particles per cell and axis? In a
-// bar that fills its grid, held all around; free: with nothing around it.
+// Whether small noise stays small at this c_p dt / h, with so many particles per cell and axis, in
+// a bar that fills its grid. The bar is held all around or, if `free`, surrounded by empty cells.
 bool is_stable(const Method& method, int dimension, int per_cell, double courant,
                bool free = false);
 
 struct DispersionPoint {
   double kh = 0, measured = 0, analytic = 0;  // omega dt / (k c_p dt): 1 without dispersion
 };
-// At c_p dt / h = courant.
+// The dispersion of waves at c_p dt / h = courant.
 std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, double courant);
 
 }  // namespace recon::mpm

@@ -178,7 +178,7 @@ class TargetNeighbours {
     return !options_.visible || options_.visible(target_, particle);
   }
 
-  // |x - x_p| <= rho on every axis.
+  // Whether |x - x_p| <= rho on every axis.
   bool in_cube(const Point& x, ParticleIndex particle, Scalar rho) const {
     for (int d = 0; d < D; ++d)
       if (std::abs(x[d] - particles_(particle, d)) > rho) return false;
@@ -266,7 +266,7 @@ class TargetNeighbours {
     return a.index != b.index ? a.index < b.index : a.shift < b.shift;
   }
 
-  // entries_ as a heap of the k nearest so far, the farthest in front.
+  // Keeps entries_ as a heap of the k nearest so far, the farthest in front.
   void keep(const Entry& entry, std::size_t k) {
     if (entries_.size() == k) {
       if (!before(entry, entries_.front())) return;
@@ -321,10 +321,10 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
     const PointCloud<typename S::Scalar>& targets, const NeighbourRule& rule,
     const PeriodicDomain<typename S::Scalar>& domain = {}, const NeighbourOptions& options = {}) {
   using Scalar = typename S::Scalar;
-  require(particles.dimension() == S::dimension, "dimension of the particles",
-          particles.dimension(), "must be the dimension of the search");
-  require(search.size() == particles.size(), "particles in the search", search.size(),
-          "must be as many as in the cloud");
+  detail::require(particles.dimension() == S::dimension, "dimension of the particles",
+                  particles.dimension(), "must be the dimension of the search");
+  detail::require(search.size() == particles.size(), "particles in the search", search.size(),
+                  "must be as many as in the cloud");
   detail::require_valid_question(particles, targets, rule, domain);
 
   struct Block {

@@ -1,12 +1,11 @@
-// A linear map from particle data to targets, one sparse row per target: values, gradients,
-// Hessians.
+// A linear map from particle data to targets, a sparse row per target: values or derivatives.
 //
 //     out(t, c * blocks + b) = sum over the entries e of row t of  value(e, b) * in(index(e), c)
 // with `blocks` numbers per entry: 1 for values, D for gradients (d/dx, d/dy, d/dz), D (D + 1) / 2
 // for Hessians (xx, xy, xz, yy, yz, zz). A field of any number of components c goes through in one
 // pass. The transpose takes target data back to particles, for example nodal forces:
-//     out(p, c) = sum over the entries e with index p of  sum_b value(e, b) * in(row(e), c * blocks
-//     + b) .
+//     out(p, c) = sum over the entries e with index p of
+//                 sum_b value(e, b) * in(row(e), c * blocks + b) .
 // <apply(u), f> = <u, apply_transpose(f)> to rounding, whatever the number of entries of a row or
 // column (core/sums.hpp). Sums run in a fixed order: the same bits for any number of threads.
 //
@@ -15,8 +14,8 @@
 // InvalidArgument, naming target (or particle) and component. Results are never NaN or infinite,
 // but for `fill`.
 //
-// An operator made of Sources (neighbourhood/sources.hpp) is of their positions at that time: after an update
-// of the Sources apply() and apply_transpose() throw InvalidArgument.
+// An operator made of Sources (neighbourhood/sources.hpp) is of their positions at that time: after
+// an update of the Sources apply() and apply_transpose() throw InvalidArgument.
 //
 // Rows without support hold no entries; apply() writes `fill` there, the transpose ignores them.
 // An operator is linear and never limited; limiting is a way to apply a reconstruction (limit.hpp).
@@ -45,8 +44,8 @@ class Cloud;
 // Which particle each entry refers to, in the caller's numbers: shared by a value operator and its
 // derivatives.
 //
-// Rows may stand in an order of their own, in which targets that follow each other are close in space:
-// row i belongs to target target_of[i].
+// Rows may stand in an order of their own, in which targets that follow each other are close in
+// space: row i belongs to target target_of[i].
 template <class Scalar>
 struct SparsityPattern {
   std::size_t columns = 0;           // particles
@@ -65,8 +64,8 @@ struct SparsityPattern {
   // Throws InvalidArgument where the Sources have been updated since.
   void require_current() const;
 
-  // The entries of each particle in ascending order, made on first use. Column i belongs to particle
-  // particle_of[i] (empty: i): the order of the Sources.
+  // The entries of each particle in ascending order, made on first use. Column i belongs to
+  // particle particle_of[i] (empty: i): the order of the Sources.
   struct Transposed {
     std::span<const std::uint32_t> particle_of;
     Array<std::int64_t> offsets;
@@ -93,7 +92,8 @@ class CsrOperator {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-  // What one target's value is made of. Refers to the operator, which must live as long.
+  // The entries that one target's value is made of. Refers to the operator, which
+  // must live as long.
   class Row {
    public:
     std::size_t size() const { return static_cast<std::size_t>(end_ - begin_); }
@@ -130,9 +130,9 @@ class CsrOperator {
   Row row(std::size_t target) && = delete;
   std::vector<std::uint32_t> empty_rows() const;  // targets without support, ascending
 
-  // A row per target. Throws InvalidArgument where the field has not one value per particle, and where a value
-  // that a row needs is not finite, naming the particle and the component; those that no row needs are not
-  // looked at.
+  // A row per target. Throws InvalidArgument where the field has not one value per particle, and
+  // where a value that a row needs is not finite, naming the particle and the component; those that
+  // no row needs are not looked at.
   Matrix apply(const FieldView<Scalar>& field) const;
   // The same into your own array, of rows() points and field.components() * blocks() components. It
   // must not overlap the input. With `trusted` as data nothing is checked but sizes (limit.hpp).

@@ -1,4 +1,4 @@
-// All reports of a reconstruction, and what they add up to.
+// All reports of a reconstruction, and a summary of them.
 #pragma once
 
 #include <cstddef>

@@ -1,15 +1,18 @@
 // Sums over kernels: how much of something lies at a place, per volume.
 //
-//     s(x) = sum_p a_p W(x - x_p) ,   W = w(q) / (c rho^D) ,   c = integral of w over the unit support ,
+//     s(x) = sum_p a_p W(x - x_p) ,   W = w(q) / (c rho^D) ,
+//     c = integral of w over the unit support ,
 //
-// with the amounts a_p of the particles (mass: the density; 1: the number density; volume: the solid fraction),
-// a weight w and the support radius rho of the target, a length (Lucy 1977; Gingold, Monaghan 1977). W has a
-// unit integral, so the integral of s over all space is the sum of the amounts where all targets have the same
-// rho. Images across periodic borders count. Near a wall or a free surface part of the support is empty, and s
-// falls off over one support radius; it is not divided by the part that is filled: that is reconstruct() with
-// degree 0.
+// with the amounts a_p of the particles (mass: the density; 1: the number density; volume: the
+// solid fraction), a weight w and the support radius rho of the target, a length (Lucy 1977;
+// Gingold, Monaghan 1977). W has a unit integral, so the integral of s over all space is the sum of
+// the amounts where all targets have the same rho. Images across periodic borders count. Near a
+// wall or a free surface part of the support is empty, and s falls off over one support radius; it
+// is not divided by the part that is filled: that is reconstruct() with degree 0.
 //
-//     auto rho = recon::kernel_sum(sources, targets, mass, recon::Weight::cubic_b_spline, 2 * h);
+// ```cpp
+// auto rho = recon::kernel_sum(sources, targets, mass, recon::Weight::cubic_b_spline, 2 * h);
+// ```
 #pragma once
 
 #include "recon/neighbourhood/sources.hpp"
@@ -30,19 +33,21 @@ struct KernelOptions {
   InstructionSet instruction_set = InstructionSet::automatic;
 };
 
-// The sums as an operator: a row per target with the W of its particles, 1 / length^D. Of no particle the sum
-// is 0. Throws InvalidArgument for bad targets and rules, and for weights without an integral.
+// The sums as an operator: a row per target with the W of its particles, 1 / length^D. Of no
+// particle the sum is 0. Throws InvalidArgument for bad targets and rules, and for weights without
+// an integral.
 template <class Scalar>
 CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
                                     const PointsView<Scalar>& targets,
                                     const KernelOptions& options);
 
-// The sums for one field of amounts, of any number of components: a row per target. `radius` is rho.
+// The sums for one field of amounts, of any number of components: a row per target. `radius` is
+// rho.
 template <class Scalar>
-typename CsrOperator<Scalar>::Matrix kernel_sum(const BasicSources<Scalar>& sources,
-                                                const std::type_identity_t<PointsView<Scalar>>& targets,
-                                                const std::type_identity_t<FieldView<Scalar>>& amounts,
-                                                const WeightFunction& weight, double radius) {
+typename CsrOperator<Scalar>::Matrix kernel_sum(
+    const BasicSources<Scalar>& sources, const std::type_identity_t<PointsView<Scalar>>& targets,
+    const std::type_identity_t<FieldView<Scalar>>& amounts, const WeightFunction& weight,
+    double radius) {
   return kernel_operator<Scalar>(sources, targets, {.weight = weight, .support = Radius{radius}})
       .apply(amounts);
 }

@@ -8,15 +8,15 @@
 //            order.
 //   relaxed  v must lie in [a - (b - a), b + (b - a)] and in the range of all the data. That keeps
 //            linear fields up to about a spacing beyond the particles, and smooth extrema but for
-//            the greatest and the least value of all. Overshoots beside a step between two values
-//            that are not those stay.
+//            the greatest and the least value of all. Overshoots beside a step stay, unless the two
+//            values at the step are those.
 // docs/mls_vs_imls.md has the numbers behind the choice.
 //
 // A value outside is replaced by the convex combination (1 - s) v + s m with the weighted mean m
 // (Shepard's value, degree 0, same weights) that has the smallest s and lies inside. As m lies in
 // [a, b], that is the nearer end of the interval. Values inside are the same bits as without a
-// limit. A linear field is unchanged, to rounding, wherever the target lies in the convex hull of the
-// particles in its support.
+// limit. A linear field is unchanged, to rounding, wherever the target lies in the convex hull of
+// the particles in its support.
 //
 // Limiting is not linear in the data. It is a way to apply a fit, never a part of an operator: the
 // rows of values(), gradients, Hessians and transposes are those of the fit as it stands, and the
@@ -51,8 +51,9 @@ struct LimitCount {
   }
 };
 
-// Are data known to be finite? Trusted data are not looked at: NaN and infinity then pass into the results,
-// and so do sums that leave the range of numbers on their way. fit.apply(u, out, recon::trusted).
+// Are data known to be finite? Trusted data are not looked at: NaN and infinity then pass into the
+// results, and so do sums that leave the range of numbers on their way. fit.apply(u, out,
+// recon::trusted).
 enum class Data : std::uint8_t { checked, trusted };
 inline constexpr Data trusted = Data::trusted;
 

@@ -1,11 +1,15 @@
-// reconstruct(points, targets, options): scattered particle data become a field at all targets at
-// once.
+// reconstruct(points, targets, options): scattered particle data become a field at all targets.
 //
-//   recon::Reconstruction fit = recon::reconstruct(points, targets, {.degree = 1, .neighbours =
-//   recon::Radius{2 * h}}); Eigen::MatrixXd v      = fit.apply(velocity);              // a row per
-//   target Eigen::MatrixXd grad_v = fit.gradient().apply(velocity);   // columns dvx/dx, dvx/dy,
-//   ..., dvy/dx, ... Eigen::MatrixXd force  = fit.apply_transpose(nodal_force); // a row per
-//   particle if (fit.report().reduced() > 0) ...                        // fit.report()[t] says
+// ```cpp
+//   const recon::Reconstruction fit = recon::reconstruct(
+//       points, targets, {.degree = 1, .neighbours = recon::Radius{2 * h}});
+//   Eigen::MatrixXd v      = fit.apply(velocity);               // a row per target
+//   Eigen::MatrixXd grad_v = fit.gradient().apply(velocity);    // dvx/dx, dvx/dy, ..., dvy/dx, ...
+//   Eigen::MatrixXd force  = fit.apply_transpose(nodal_force);  // a row per particle
+//   if (fit.report().reduced() > 0) {
+//     // fit.report()[t] says what became of target t
+//   }
+// ```
 //   what became of target t
 //
 // At each target x the particles in its support are fitted with a polynomial of the asked degree
@@ -53,17 +57,17 @@ class BasicReconstruction {
   BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets,
                       NeighbourList<Scalar> neighbours, const Options& options);
 
-  // From particles that have been ordered before. Their periodic domain, stretch and weights are those of the
-  // Sources: InvalidArgument where the options say others.
+  // From particles that have been ordered before. Their periodic domain, stretch and weights are
+  // those of the Sources: InvalidArgument where the options say others.
   BasicReconstruction(const BasicSources<Scalar>& sources, const PointsView<Scalar>& targets,
                       const Options& options);
   BasicReconstruction(const BasicSources<Scalar>& sources, const PointsView<Scalar>& targets,
                       NeighbourList<Scalar> neighbours, const Options& options);
 
-  // The same for other targets, and for the present positions of the Sources, into the memory that there is;
-  // with another rule or list for the neighbours if one is given. The result equals that of a new
-  // reconstruction in every bit. Copies of this object keep what they have. Throws as the constructor does:
-  // where targets or neighbours are refused nothing has changed.
+  // The same for other targets, and for the present positions of the Sources, into the memory that
+  // there is; with another rule or list for the neighbours if one is given. The result equals that
+  // of a new reconstruction in every bit. Copies of this object keep what they have. Throws as the
+  // constructor does: where targets or neighbours are refused nothing has changed.
   void update(const PointsView<Scalar>& targets);
   void update(const PointsView<Scalar>& targets, const NeighbourRule& neighbours);
   void update(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours);

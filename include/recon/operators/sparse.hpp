@@ -1,5 +1,4 @@
-// An operator as an Eigen::SparseMatrix. Include it when you want it: it brings Eigen's sparse
-// module.
+// An operator as an Eigen::SparseMatrix. A header of its own, as it includes Eigen's sparse module.
 #pragma once
 
 #include <Eigen/SparseCore>

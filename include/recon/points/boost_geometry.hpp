@@ -1,8 +1,7 @@
 // points_of for any type registered as a Boost.Geometry point. Include it when you want it:
 // recon.hpp does not, so that nobody pays for Boost's headers unasked.
 //
-// Coordinates are read through boost::geometry::get, so types with accessors work as well as plain
-// ones.
+// Coordinates are read through boost::geometry::get, so types with accessors work too.
 #pragma once
 
 #include <boost/geometry/core/access.hpp>

@@ -36,8 +36,12 @@ struct Box {
   }
 };
 
-// "coordinate y of point 7 of the targets", for messages.
+namespace detail {
+
+// How messages call a coordinate: "coordinate y of point 7 of the targets".
 std::string coordinate_name(std::size_t point, int axis, const char* points);
+
+}  // namespace detail
 
 // The box of all points; empty for no points. Throws InvalidArgument where a coordinate is not
 // finite, naming the point and the axis; `name` is what the message calls the points.
@@ -54,7 +58,7 @@ struct PeriodicDomain {
   bool any() const { return periodic[0] || periodic[1] || periodic[2]; }
   Scalar period(int axis) const { return upper[axis] - lower[axis]; }
 
-  // The image of a coordinate that lies in [lower, upper).
+  // The periodic image of a coordinate that lies in [lower, upper).
   Scalar wrap(Scalar coordinate, int axis) const {
     if (!periodic[axis]) return coordinate;
     const Scalar length = period(axis);
@@ -68,9 +72,9 @@ struct PeriodicDomain {
   void validate(int dimension) const {
     for (int d = 0; d < max_dimension; ++d) {
       if (!periodic[d]) continue;
-      require(d < dimension, "periodic axis", d, "must be an axis of the points");
-      require(std::isfinite(lower[d]) && std::isfinite(upper[d]) && lower[d] < upper[d],
-              "period of the domain", upper[d] - lower[d], "must be positive and finite");
+      detail::require(d < dimension, "periodic axis", d, "must be an axis of the points");
+      detail::require(std::isfinite(lower[d]) && std::isfinite(upper[d]) && lower[d] < upper[d],
+                      "period of the domain", upper[d] - lower[d], "must be positive and finite");
     }
   }
 };

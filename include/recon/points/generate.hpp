@@ -51,7 +51,8 @@ PointList<Scalar, D> regular_points(std::size_t n) {
   return points;
 }
 
-// regular_points, each moved by up to `amount` cells along each axis (0.5: anywhere in its cell).
+// The regular_points, each moved by up to `amount` cells along each axis (0.5:
+// anywhere in its cell).
 template <class Scalar, int D>
 PointList<Scalar, D> jittered_points(std::size_t n, double amount, std::uint64_t seed) {
   RandomNumbers random(seed);
@@ -62,7 +63,7 @@ PointList<Scalar, D> jittered_points(std::size_t n, double amount, std::uint64_t
   return points;
 }
 
-// Independent and uniform in the unit cube.
+// Random points, independent and uniform in the unit cube.
 template <class Scalar, int D>
 PointList<Scalar, D> random_points(std::size_t count, std::uint64_t seed) {
   RandomNumbers random(seed);
@@ -93,8 +94,8 @@ PointList<Scalar, D> diagonal_points(std::size_t count, std::uint64_t seed) {
   return points;
 }
 
-// Random points on the sphere (circle, pair of points) of the given radius about the centre of the
-// cube.
+// Random points on a sphere (in 2-D a circle, in 1-D two points) of the given radius about the
+// centre of the unit cube.
 template <class Scalar, int D>
 PointList<Scalar, D> sphere_points(std::size_t count, double radius, std::uint64_t seed) {
   RandomNumbers random(seed);
@@ -137,8 +138,8 @@ PointList<Scalar, D> duplicated_points(std::size_t count, std::size_t copies, st
   return points;
 }
 
-// A dense cloud with holes, as a flow around obstacles leaves them: jittered_points of n^D cells (by
-// 0.3 of a cell) without those in `holes` balls of the given radius, at random places.
+// A dense cloud with holes, such as a flow around obstacles has: jittered_points of n^D cells (by
+// 0.3 of a cell) without those in `holes` balls of the given radius at random places.
 template <class Scalar, int D>
 PointList<Scalar, D> points_with_holes(std::size_t n, std::size_t holes, double radius,
                                        std::uint64_t seed) {

@@ -1,20 +1,30 @@
 // points_of(...) and field_of(...): how your data become views, without being copied.
 //
-//   what you have                                    how to say it
-//   std::vector<Grain>, member Grain::position       points_of(grains, &Grain::position)
-//   std::vector<std::array<double, 3>>, spans,       points_of(positions)
-//     std::vector<Eigen::Vector3d>, struct { x, y, z; }, double[3], ...
-//   one array per axis                               points_of(x, y), points_of(x, y, z)
-//   one array, 1-D points                            points_of(x)
-//   Eigen matrix, a row per point                    points_of(matrix); matrix.transpose() if a
-//   column flat array x0 y0 z0 x1 y1 z1 ...                 points_of_flat(array, 3) types
-//   registered with Boost.Geometry             recon/points/boost_geometry.hpp
+//   what you have                                   how to say it
+//   std::vector<Grain>, member Grain::position      points_of(grains, &Grain::position)
+//   std::vector or span of std::array<double, 3>,   points_of(positions)
+//     Eigen::Vector3d, struct { x, y, z; },
+//     double[3], ...
+//   one array per axis                              points_of(x, y), points_of(x, y, z)
+//   one array, points in 1-D                        points_of(x)
+//   Eigen matrix, a row per point                   points_of(matrix)
+//   Eigen matrix, a column per point                points_of(matrix.transpose())
+//   flat array x0 y0 z0 x1 y1 z1 ...                points_of_flat(array, 3)
+//   types registered with Boost.Geometry            points_of of points/boost_geometry.hpp
 //
-// The same forms exist for fields: field_of(grains, &Grain::velocity), field_of(values),
-// field_of(vx, vy, vz), field_of(matrix), field_of_flat(array, components). A matrix-valued
-// member (std::array<std::array<double, 3>, 3>, Eigen::Matrix3d) is a field of 9 components in the
-// order in which it lies in memory. field_of on data that are not const gives a view that can be
-// written.
+// Fields have the same forms, but for those of several arrays; components that lie in arrays of
+// their own are fields of their own:
+//
+// ```cpp
+//   recon::FieldView<double> velocity = recon::field_of(grains, &Grain::velocity);
+//   recon::FieldView<double> heat = recon::field_of(temperature);          // a number per particle
+//   recon::FieldView<double> momentum = recon::field_of_flat(momenta, 3);  // px py pz px py pz ...
+//   recon::FieldView<double> v_x = recon::field_of(vx), v_y = recon::field_of(vy);
+// ```
+//
+// A matrix-valued member (std::array<std::array<double, 3>, 3>, Eigen::Matrix3d) is a field of 9
+// components in the order in which it lies in memory. field_of gives a FieldSpan, which can be
+// written, where the data are not const.
 //
 // Temporaries that own their numbers are refused at compile time: a view of one would dangle.
 #pragma once
@@ -57,9 +67,10 @@ concept XY = requires(T& t) {
 }
 &&!XYZ<T>;
 
-// Layout of one value: how many numbers, and where the first lies. Numbers must lie side by side.
+// The layout of one value: how many numbers it has, and where the first lies. They must
+// lie side by side.
 template <class T>
-struct Layout;  // no layout: see the table at the top of this file
+struct Layout;  // undefined for other types: see the table at the top of this file
 
 template <class T>
 requires is_scalar<T>
@@ -108,8 +119,8 @@ concept HasLayout = requires {
 template <class T>
 using LayoutScalar = typename Layout<std::remove_cv_t<T>>::Scalar;
 
-// Distance in bytes between the numbers of one value. For { x, y, z } it is taken from the members,
-// so that padding is respected; a struct with unevenly spread members has no view.
+// The distance in bytes between the numbers of one value. For { x, y, z } it is taken from the
+// members, so that padding is respected; a struct whose members are not evenly spaced has no view.
 template <class T>
 std::ptrdiff_t component_stride(T& value) {
   using Plain = std::remove_cv_t<T>;
@@ -125,7 +136,7 @@ std::ptrdiff_t component_stride(T& value) {
   }
 }
 
-// Base address of number `c` of the value, or null for an empty range.
+// The base address of number `c` of the values, or null for an empty range.
 template <class Scalar>
 PointsView<Scalar> strided_points(std::size_t size, int dimension, const Scalar* first,
                                   std::ptrdiff_t axis_stride, std::ptrdiff_t point_stride) {
@@ -137,8 +148,7 @@ PointsView<Scalar> strided_points(std::size_t size, int dimension, const Scalar*
 
 }  // namespace detail
 
-// ---- points
-// --------------------------------------------------------------------------------------
+// ---- points --------------------------------------------------------------------------------
 
 // A member of your own struct: points_of(grains, &Grain::position).
 template <detail::StableArray Range, class Struct, class Member>
@@ -179,8 +189,8 @@ requires(detail::is_scalar<std::ranges::range_value_t<X>> && sizeof...(Rest) >= 
           ...)) auto points_of(X&& x, Rest&&... rest) {
   using Scalar = std::ranges::range_value_t<X>;
   const std::size_t size = std::ranges::size(x);
-  (require(std::ranges::size(rest) == size, "length of a coordinate array", std::ranges::size(rest),
-           "must equal the length of the first coordinate array"),
+  (detail::require(std::ranges::size(rest) == size, "length of a coordinate array",
+                   std::ranges::size(rest), "must equal the length of the first coordinate array"),
    ...);
   return PointsView<Scalar>(size, 1 + static_cast<int>(sizeof...(Rest)),
                             {std::ranges::data(x), std::ranges::data(rest)...},
@@ -193,8 +203,9 @@ requires((Derived::Flags & Eigen::DirectAccessBit) !=
          0) auto points_of(const Eigen::MatrixBase<Derived>& matrix) {
   using Scalar = typename Derived::Scalar;
   const Derived& m = matrix.derived();
-  require(m.cols() >= 1 && m.cols() <= max_dimension, "columns of the coordinate matrix", m.cols(),
-          "must be 1, 2 or 3 with a row per point (pass matrix.transpose() if points are columns)");
+  detail::require(
+      m.cols() >= 1 && m.cols() <= max_dimension, "columns of the coordinate matrix", m.cols(),
+      "must be 1, 2 or 3 with a row per point (pass matrix.transpose() if points are columns)");
   return detail::strided_points<Scalar>(
       static_cast<std::size_t>(m.rows()), static_cast<int>(m.cols()), m.data(),
       m.colStride() * static_cast<std::ptrdiff_t>(sizeof(Scalar)),
@@ -209,22 +220,22 @@ template <detail::StableArray Range>
 requires detail::is_scalar<std::ranges::range_value_t<Range>>
 auto points_of_flat(Range&& numbers, int dimension) {
   using Scalar = std::ranges::range_value_t<Range>;
-  require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension,
-          "must be 1, 2 or 3");
+  detail::require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension,
+                  "must be 1, 2 or 3");
   const std::size_t count = std::ranges::size(numbers);
-  require(count % static_cast<std::size_t>(dimension) == 0, "length of the flat coordinate array",
-          count, "must be a multiple of the dimension");
+  detail::require(count % static_cast<std::size_t>(dimension) == 0,
+                  "length of the flat coordinate array", count,
+                  "must be a multiple of the dimension");
   return detail::strided_points<Scalar>(count / static_cast<std::size_t>(dimension), dimension,
                                         std::ranges::data(numbers), sizeof(Scalar),
                                         dimension * static_cast<std::ptrdiff_t>(sizeof(Scalar)));
 }
 
-// ---- fields
-// --------------------------------------------------------------------------------------
+// ---- fields --------------------------------------------------------------------------------
 
 namespace detail {
 
-// A view of `first` and its like: const numbers give a FieldView, others a FieldSpan.
+// A field that begins at `first`: const numbers give a FieldView, others a FieldSpan.
 template <class Number>
 BasicFieldView<Number> strided_field(std::size_t size, int components, Number* first,
                                      std::ptrdiff_t point_stride, std::ptrdiff_t component_stride) {
@@ -263,8 +274,8 @@ requires(detail::HasLayout<std::ranges::range_value_t<Range>> &&
                                        detail::component_stride(first));
 }
 
-// A struct of arrays: one array of numbers for each component, as in field_of(vx, vy, vz). At most 9. Throws
-// InvalidArgument where their lengths differ.
+// A struct of arrays: one array of numbers for each component, as in field_of(vx, vy, vz). At most
+// 9. Throws InvalidArgument where their lengths differ.
 template <detail::StableArray First, detail::StableArray... Others>
 requires(sizeof...(Others) >= 1 && detail::is_scalar<std::ranges::range_value_t<First>> &&
          (std::is_same_v<std::remove_reference_t<std::ranges::range_reference_t<First>>,
@@ -301,7 +312,7 @@ requires((Derived::Flags & Eigen::DirectAccessBit) !=
                                              m.rowStride() * bytes, m.colStride() * bytes);
 }
 
-// The same, to be written.
+// The same for a matrix that may be written.
 template <class Derived>
 requires((Derived::Flags & Eigen::DirectAccessBit) != 0 &&
          (Derived::Flags & Eigen::LvalueBit) !=
@@ -322,10 +333,11 @@ template <detail::StableArray Range>
 requires detail::is_scalar<std::ranges::range_value_t<Range>>
 auto field_of_flat(Range&& numbers, int components) {
   using Number = std::remove_reference_t<std::ranges::range_reference_t<Range>>;
-  require(components >= 1, "components", components, "must be at least 1");
+  detail::require(components >= 1, "components", components, "must be at least 1");
   const std::size_t count = std::ranges::size(numbers);
-  require(count % static_cast<std::size_t>(components) == 0, "length of the flat field array",
-          count, "must be a multiple of the number of components");
+  detail::require(count % static_cast<std::size_t>(components) == 0,
+                  "length of the flat field array", count,
+                  "must be a multiple of the number of components");
   constexpr auto bytes = static_cast<std::ptrdiff_t>(sizeof(Number));
   return detail::strided_field<Number>(count / static_cast<std::size_t>(components), components,
                                        std::ranges::data(numbers), components * bytes, bytes);

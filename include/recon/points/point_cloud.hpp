@@ -42,7 +42,7 @@ class PointCloud {
   Scalar operator()(std::size_t point, int d) const {
     return coordinates_[point * static_cast<std::size_t>(dimension_) + d];
   }
-  // x0 y0 z0 x1 y1 z1 ..., dimension() numbers per point.
+  // All coordinates, x0 y0 z0 x1 y1 z1 ..., dimension() numbers per point.
   const Scalar* data() const { return coordinates_.data(); }
 
   // Point i as an array of D numbers, for code that knows the dimension.

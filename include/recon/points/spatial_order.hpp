@@ -2,9 +2,9 @@
 // the points finds what it needs in the cache.
 //
 // The bounding box is cut into cells, about four points in each, numbered along a Morton curve
-// (Morton 1966: the bits of the cell's coordinates interleaved); points are sorted by cell and, in
-// one cell, by index. Cost O(n): two passes and a counting sort; 4 bytes per point and, while it
-// runs, 5 more.
+// (Morton 1966: the bits of the cell's coordinates interleaved); points are sorted by cell and,
+// in one cell, by index. Cost O(n): two passes and a counting sort; 4 bytes per point and, while
+// it runs, 5 more.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@
 namespace recon {
 
 // Node (i, j, k) lies at origin + (i, j, k) * spacing; the first axis runs fastest in a flat index.
-// What stands for axes at and above `dimension` is not used: they have one node, at 0.
+// Entries of axes at and above `dimension` are not used: these axes have one node, at 0.
 template <class Scalar>
 struct StructuredGrid {
   int dimension = 3;

@@ -36,8 +36,8 @@ class PointsView {
   PointsView(std::size_t size, int dimension, std::array<const void*, max_dimension> base,
              std::array<std::ptrdiff_t, max_dimension> stride)
       : size_(size), dimension_(dimension), stride_(stride) {
-    require(dimension >= 1 && dimension <= max_dimension, "dimension of the points", dimension,
-            "must be 1, 2 or 3");
+    detail::require(dimension >= 1 && dimension <= max_dimension, "dimension of the points",
+                    dimension, "must be 1, 2 or 3");
     for (int d = 0; d < max_dimension; ++d) base_[d] = static_cast<const std::byte*>(base[d]);
   }
 
@@ -64,8 +64,7 @@ class PointsView {
   std::array<Reader, max_dimension> readers_{};
 };
 
-// Points whose coordinates lie in one contiguous array per axis; arrays beyond the dimension are
-// not read.
+// Points whose coordinates lie in one array per axis; arrays beyond the dimension are not read.
 template <class Scalar>
 PointsView<Scalar> points_of_axes(const std::array<std::vector<Scalar>, max_dimension>& axes,
                                   int dimension) {
@@ -89,8 +88,8 @@ class BasicFieldView {
 
   BasicFieldView() = default;
 
-  // Component c of the value at point i lies at base + i * point_stride + c * component_stride
-  // (bytes).
+  // Component c of the value at point i lies at base + i * point_stride + c *
+  // component_stride bytes.
   BasicFieldView(std::size_t size, int components, Address base, std::ptrdiff_t point_stride,
                  std::ptrdiff_t component_stride)
       : size_(size),
@@ -98,15 +97,15 @@ class BasicFieldView {
         base_(static_cast<Byte*>(base)),
         point_stride_(point_stride),
         component_stride_(component_stride) {
-    require(components >= 1, "components of the field", components, "must be at least 1");
+    detail::require(components >= 1, "components of the field", components, "must be at least 1");
   }
 
   // Component c of the value at point i lies at arrays[c] + i * point_stride (bytes).
   template <class Array>
   BasicFieldView(std::size_t size, int components, const Array& arrays, std::ptrdiff_t point_stride)
       : BasicFieldView(size, components, arrays[0], point_stride, 0) {
-    require(components <= most_arrays, "components of the field", components,
-            "must be at most 9 where each has its array");
+    detail::require(components <= most_arrays, "components of the field", components,
+                    "must be at most 9 where each has its array");
     separate_ = true;
     for (int c = 0; c < components; ++c) arrays_[c] = static_cast<Byte*>(arrays[c]);
   }
@@ -147,8 +146,8 @@ class BasicFieldView {
 };
 
 template <class Scalar>
-using FieldView = BasicFieldView<const Scalar>;  // read
+using FieldView = BasicFieldView<const Scalar>;  // to be read
 template <class Scalar>
-using FieldSpan = BasicFieldView<Scalar>;  // written
+using FieldSpan = BasicFieldView<Scalar>;  // to be written
 
 }  // namespace recon

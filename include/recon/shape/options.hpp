@@ -1,4 +1,4 @@
-// Everything one can choose about a reconstruction, with defaults that work.
+// All choices of a reconstruction, with defaults that work.
 #pragma once
 
 #include <array>
@@ -14,15 +14,16 @@
 
 namespace recon {
 
-// What a target without any particle in its support gets.
+// The value of a target without any particle in its support.
 enum class Unsupported {
   fill,    // apply() writes Options::fill_value there
   nearest  // the value of the nearest particle (of the smallest index, if several are)
 };
 
-// Growing supports: a target that does not reach the asked degree is tried again with its support
-// (for nearest neighbours: their number) enlarged by `factor`, up to `steps` times. One that never
-// reaches it keeps its first support, so that a cloud on a line is not smoothed for nothing.
+// Growing supports: a target that does not reach the asked degree is tried again with its
+// support (for nearest neighbours: their number) enlarged by `factor`, up to `steps` times. A
+// target that never reaches it keeps its first support, so that a cloud on a line is not
+// smoothed without any gain.
 struct Growth {
   int steps = 0;
   double factor = 1.25;
@@ -34,9 +35,9 @@ struct Options {
   // w(q), q = |x - x_p| / rho; an enumerator or any object that is a RadialWeight.
   WeightFunction weight = Weight::cubic_b_spline;
   WeightForm form = WeightForm::radial;
-  // m_p, one number for each particle: see SourcesOptions, whose members this, `stretch` and `domain` are.
-  // They belong to the particles: calls that take Sources have them from there, and throw InvalidArgument
-  // where they are said here.
+  // m_p, one number for each particle: see SourcesOptions, whose members this, `stretch` and
+  // `domain` are. They belong to the particles: calls that take Sources have them from there, and
+  // throw InvalidArgument where they are said here.
   std::span<const double> particle_weights{};
   // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The
   // default is the nearest twice as many particles as there are basis terms, plus one. The support

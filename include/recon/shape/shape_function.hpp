@@ -2,10 +2,14 @@
 //
 // This is the template interface beneath reconstruct(): every part is a type that you may supply.
 //
-//   recon::ShapeEvaluator<recon::Monomials<2, 1>, MyWeight> shapes(MyWeight{},
-//   recon::Solver::gram_schmidt); recon::KdTree<double, 2> search(cloud); const auto& shape =
-//   shapes.at(x, rho, search, [&](auto p) { return position[p]; });
-//   // sum over i of shape.value[i] * u[shape.neighbours[i]] is the fit at x
+// ```cpp
+//   recon::KdTree<double, 2> search(particles);
+//   recon::ShapeEvaluator<recon::Monomials<2, 1>, MyWeight> shapes(MyWeight{});
+//   const auto& shape = shapes.at(x, rho, search, [&](auto p) { return position[p]; });
+//   double fit = 0;  // at x, of the data u
+//   for (std::size_t i = 0; i < shape.neighbours.size(); ++i)
+//     fit += shape.value[i] * u[shape.neighbours[i]];
+// ```
 //
 // Concepts: RadialWeight (weights/weight.hpp), Basis (basis/monomials.hpp), NeighbourSearch
 // (neighbourhood/search.hpp); the scalar T is any type with arithmetic, comparison and a square
@@ -26,7 +30,7 @@
 
 namespace recon {
 
-// What stands at one point x: phi_p(x) and its derivatives for the particles p near it.
+// The shape functions at one point x: phi_p(x) and its derivatives for the particles p near it.
 template <class T, int D>
 struct ShapeFunction {
   std::vector<ParticleIndex> neighbours;
@@ -57,19 +61,21 @@ class ShapeEvaluator {
     detail::validate_weight(weights_.weight);
   }
 
-  // Among the given neighbours; position(p) is the Point of particle p. Particles outside the
-  // support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument for a bad rho, x or
-  // kind.
+  // Evaluates the shape functions of the given neighbours; position(p) is the Point of particle p.
+  // Particles outside the support of radius rho > 0 (a length) get phi = 0. Throws InvalidArgument
+  // for a bad rho, x or kind.
   template <class Position>
   requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
   const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
                                 Position&& position, Derivative kind = default_gradient) {
-    require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
-            "must be diffuse for a basis that is not translation_invariant");
-    require(rho > T(0) && is_finite(rho), "rho", rho, "must be positive and finite");
-    require(rho * rho >= std::numeric_limits<T>::min(), "rho", rho,
-            "must not be so small that its square underflows");
-    for (const T& c : x) require(is_finite(c), "coordinate of x", c, "must be finite");
+    detail::require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
+                    "must be diffuse for a basis that is not translation_invariant");
+    detail::require(rho > T(0) && detail::is_finite(rho), "rho", rho,
+                    "must be positive and finite");
+    detail::require(rho * rho >= std::numeric_limits<T>::min(), "rho", rho,
+                    "must not be so small that its square underflows");
+    for (const T& c : x)
+      detail::require(detail::is_finite(c), "coordinate of x", c, "must be finite");
     const int count = static_cast<int>(neighbours.size());
     stencil_.start(x, rho, count);
     positions_.clear();
@@ -99,7 +105,7 @@ class ShapeEvaluator {
     return shape_;
   }
 
-  // Among all particles that the search finds in the support.
+  // Evaluates the shape functions of all particles that the search finds in the support.
   template <NeighbourSearch S, class Position>
   const ShapeFunction<T, D>& at(const Point& x, T rho, const S& search, Position&& position,
                                 Derivative kind = default_gradient) {
@@ -122,7 +128,7 @@ class ShapeEvaluator {
   }
 
  private:
-  // A weight that is called number by number, as one that is called array by array.
+  // Makes a weight that takes one q per call one that takes an array of them.
   struct Batch {
     W weight;
     void evaluate(const T* q, T* w, T* slope, std::size_t n) const {

@@ -31,16 +31,16 @@ struct ShapeProblem {
   const PointCloud<Scalar>& targets;
   NeighbourListView<Scalar> neighbours;
   const PeriodicDomain<Scalar>& domain;
-  // Derivatives are multiplied by this per axis: 1 / stretch, where coordinates have been divided
-  // by stretch.
+  // Derivatives are multiplied by this along each axis: 1 / stretch, where coordinates have been
+  // divided by stretch.
   std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
-  // What multiplies the weight of each particle, > 0, the largest about 1. Null: all ones.
+  // The factors m_p of the weights of the particles, > 0, the largest about 1. Null: all ones.
   const Scalar* particle_weights = nullptr;
 };
 
-// Output arrays, null where not wanted. Entry e of the neighbour list has value[e], gradient[e * D
-// + d] and hessian[e * D (D + 1) / 2 + i] (xx, xy, xz, yy, yz, zz as far as they exist); target t
-// has report[t].
+// The output arrays, null where not wanted. Entry e of the neighbour list has value[e], gradient[e
+// * D + d] and hessian[e * D (D + 1) / 2 + i] (xx, xy, xz, yy, yz, zz as far as they exist); target
+// t has report[t].
 template <class Scalar>
 struct ShapeRows {
   Scalar* value = nullptr;
@@ -54,8 +54,8 @@ template <class Scalar>
 class ShapeKernel {
  public:
   virtual ~ShapeKernel() = default;
-  // Targets begin <= t < end, best in an order in which neighbours in space follow each other.
-  // Thread-safe; no allocation per target.
+  // Evaluates the targets begin <= t < end, which are best in an order in which neighbours in space
+  // follow each other. Thread-safe; no allocation per target.
   virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                         const ShapeRows<Scalar>& rows) const = 0;
 };

@@ -38,7 +38,7 @@ class Stencil {
     present_ = present;
     rho_ = rho;
     T size = T(0);
-    for (int d = 0; d < D; ++d) size = larger(T(abs(x[d])), size);
+    for (int d = 0; d < D; ++d) size = detail::larger(T(abs(x[d])), size);
     noise_ = T(std::numeric_limits<Scalar>::epsilon()) * (size + rho) / rho;
     w_.resize(count);
     weighs_particles_ = false;
@@ -46,12 +46,12 @@ class Stencil {
       for (auto* array : {&xi_[d], &q_[d], &factor_[d], &slope_[d], &dw_[d]}) array->resize(count);
   }
 
-  // To be filled with x_p - x along axis d, a length: neighbour p of lane l at [p * lanes + l], and
-  // 0 for those that a lane does not have.
+  // The caller fills in x_p - x along axis d, a length: that of neighbour p in lane l at [p * lanes
+  // + l], and 0 for neighbours that a lane does not have.
   Scalar* offsets(int d) { return reinterpret_cast<Scalar*>(xi_[d].data()); }
 
-  // Call it where particles have weights m_p >= 0 of their own, before weigh(); to be filled like
-  // offsets().
+  // The caller fills in the particle weights m_p >= 0, laid out as offsets(). Called only where
+  // particles have weights of their own, and before weigh().
   Scalar* particle_weights() {
     weighs_particles_ = true;
     particle_weight_.resize(count_);
@@ -60,8 +60,7 @@ class Stencil {
 
   // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose
   // weight is not above eps^2 of the largest: those change nothing in working precision.
-  // weights.evaluate(q, w, slope, n) has arrays of T. support_factor as in
-  // NeighbourList.
+  // weights.evaluate(q, w, slope, n) takes arrays of T. support_factor is that of NeighbourList.
   template <class Weights>
   void weigh(const Weights& weights, WeightForm form, bool slopes,
              Scalar support_factor = Scalar(0)) {
@@ -92,15 +91,15 @@ class Stencil {
     return cloud;
   }
 
-  // Where particle p of the cloud stands in the target's row of the neighbour list. Not for packs,
-  // which keep all particles.
+  // The position of particle p of the cloud in the target's row of the neighbour list. Not for
+  // packs, which keep all particles.
   int place(int p) const { return place_[p]; }
-  // How many particles have a weight.
+  // The number of particles with a weight.
   const T& weighted() const { return weighted_; }
 
  private:
-  // w_ and, with slopes, dw_ = d w / d xi. Radial: one factor of q = |xi|; tensor product: one per
-  // axis.
+  // Sets w_ and, with slopes, dw_ = d w / d xi. Radial: one factor of q = |xi|; tensor product: a
+  // factor per axis.
   template <class Weights>
   void evaluate_weights(const Weights& weights, WeightForm form, bool slopes) {
     using std::abs, std::sqrt;
@@ -113,8 +112,8 @@ class Stencil {
       weights.evaluate(q_[0].data(), w_.data(), slopes ? slope_[0].data() : nullptr, count_);
       for (int p = 0; slopes && p < count_; ++p) {
         const auto apart = q_[0][p] > T(0);
-        const T along = slope_[0][p] / select(apart, q_[0][p], T(1));
-        for (int d = 0; d < D; ++d) dw_[d][p] = select(apart, T(along * xi_[d][p]), T(0));
+        const T along = slope_[0][p] / detail::select(apart, q_[0][p], T(1));
+        for (int d = 0; d < D; ++d) dw_[d][p] = detail::select(apart, T(along * xi_[d][p]), T(0));
       }
     } else {
       for (int d = 0; d < D; ++d) {
@@ -136,31 +135,35 @@ class Stencil {
     }
   }
 
-  // q, or for particles that a lane does not have 1: no weight is asked for them, and they get 0.
+  // q; but 1 for particles that a lane does not have: they get weight 0 and are never
+  // passed to the weight.
   T within_support(int p, const T& q) const {
     if constexpr (lanes > 1)
-      return select(T(p) < present_, q, T(1));
+      return detail::select(T(p) < present_, q, T(1));
     else
       return q;
   }
 
-  // By their ratio to the largest among the particles that count: the product stays in range.
+  // Multiplies by m_p relative to the largest m_p among the particles that count: the product
+  // stays in range.
   void multiply_by_particle_weights(bool slopes) {
     T largest = T(0);
     for (int p = 0; p < count_; ++p)
-      largest = larger(select(w_[p] > T(0), particle_weight_[p], T(0)), largest);
-    const T inverse = T(1) / select(largest > T(0), largest, T(1));
+      largest = detail::larger(detail::select(w_[p] > T(0), particle_weight_[p], T(0)), largest);
+    const T inverse = T(1) / detail::select(largest > T(0), largest, T(1));
     for (int p = 0; p < count_; ++p) {
-      const T ratio = select(w_[p] > T(0), T(particle_weight_[p] * inverse), T(0));
+      const T ratio = detail::select(w_[p] > T(0), T(particle_weight_[p] * inverse), T(0));
       w_[p] *= ratio;
       for (int d = 0; slopes && d < D; ++d) dw_[d][p] *= ratio;
     }
   }
 
-  // -1, 0 or 1.
-  static T sign(const T& x) { return select(x > T(0), T(1), select(x < T(0), T(-1), T(0))); }
+  // The sign of a number: -1, 0 or 1.
+  static T sign(const T& x) {
+    return detail::select(x > T(0), T(1), detail::select(x < T(0), T(-1), T(0)));
+  }
 
-  // dw_ becomes d w / d x: xi = (x_p - x) / rho gives d xi_d = -(e_d + xi_d grad rho) / rho.
+  // Turns dw_ into d w / d x: xi = (x_p - x) / rho gives d xi_d = -(e_d + xi_d grad rho) / rho.
   void differentiate(WeightForm form, Scalar support_factor) {
     const std::array<T, D> grow = support_gradient(form, support_factor);
     for (int p = 0; p < count_; ++p) {
@@ -170,8 +173,8 @@ class Stencil {
     }
   }
 
-  // grad rho for rho = support_factor * distance to the farthest neighbour; 0 for supports that
-  // stand still.
+  // The gradient of rho = support_factor * distance to the farthest neighbour; 0 for supports
+  // that stand still.
   std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) const {
     using std::abs;
     std::array<T, D> gradient{};
@@ -182,43 +185,45 @@ class Stencil {
       for (int d = 0; d < (form == WeightForm::radial ? 1 : D); ++d) {
         auto farther = q_[d][p] > distance;
         if constexpr (lanes > 1) farther = farther && T(p) < present_;
-        if (!any_lane(farther)) continue;
-        distance = select(farther, q_[d][p], distance);
+        if (!detail::any_lane(farther)) continue;
+        distance = detail::select(farther, q_[d][p], distance);
         for (int e = 0; e < D; ++e) {
           const T direction = form == WeightForm::radial
-                                  ? T(xi_[e][p] / select(farther, q_[d][p], T(1)))
+                                  ? T(xi_[e][p] / detail::select(farther, q_[d][p], T(1)))
                               : e == d ? sign(xi_[e][p])
                                        : T(0);
-          gradient[e] = select(farther, T(-factor * direction), gradient[e]);
+          gradient[e] = detail::select(farther, T(-factor * direction), gradient[e]);
         }
       }
-    // All neighbours on the target: the support was chosen in another way and stands still.
-    const auto moves = distance > T(0) && T(abs(distance * factor - T(1))) <= constant<T>(1e-3);
-    for (T& g : gradient) g = select(moves, g, T(0));
+    // Where all neighbours coincide with the target, the support was chosen in another way
+    // and stands still.
+    const auto moves =
+        distance > T(0) && T(abs(distance * factor - T(1))) <= detail::constant<T>(1e-3);
+    for (T& g : gradient) g = detail::select(moves, g, T(0));
     return gradient;
   }
 
   void compact(bool slopes) {
     T largest = T(0);
-    for (int p = 0; p < count_; ++p) largest = larger(w_[p], largest);
+    for (int p = 0; p < count_; ++p) largest = detail::larger(w_[p], largest);
     auto usable = largest >= T(std::numeric_limits<Scalar>::min());
     if constexpr (lanes == 1) {
-      require(is_finite(largest), "largest product of weights at a target", largest,
-              "must be finite");
+      detail::require(detail::is_finite(largest), "largest product of weights at a target", largest,
+                      "must be finite");
     } else {
       usable = usable && largest <= T(std::numeric_limits<Scalar>::max());
     }
-    const T inverse = T(1) / select(usable, largest, T(1));
+    const T inverse = T(1) / detail::select(usable, largest, T(1));
     const T least = largest * T(std::numeric_limits<Scalar>::epsilon() *
                                 std::numeric_limits<Scalar>::epsilon());
     weighted_ = T(0);
     if constexpr (lanes > 1) {
       for (int p = 0; p < count_; ++p) {
         const auto keep = usable && w_[p] > least;
-        w_[p] = select(keep, T(w_[p] * inverse), T(0));
-        weighted_ += select(keep, T(1), T(0));
+        w_[p] = detail::select(keep, T(w_[p] * inverse), T(0));
+        weighted_ += detail::select(keep, T(1), T(0));
         for (int d = 0; slopes && d < D; ++d)
-          dw_[d][p] = select(keep, T(dw_[d][p] * inverse), T(0));
+          dw_[d][p] = detail::select(keep, T(dw_[d][p] * inverse), T(0));
       }
     } else {
       place_.clear();

@@ -1,23 +1,24 @@
 // Weight functions: how much a particle counts at a distance.
 //
 // A weight is a function w(q) of q = |x - x_p| / rho, with rho the support radius (a length) and q
-// without unit; w > 0 for q < 1 and w = 0 for q >= 1. It multiplies the squared residual of the
-// fit:
-//     minimise  sum_p w(q_p) (p(x_p) - u_p)^2 .
+// without unit; w > 0 for q < 1 and w = 0 for q >= 1. It multiplies the squared residual:
+//     minimise  sum_p w(q_p) (p(x_p) - u_p)^2  over the polynomials p.
 // Its scale does not matter to a fit. Radial weights use one q; a tensor-product weight is the
 // product of one factor w(|x_d - x_pd| / rho) per axis, with the support a cube.
 //
 // Written here, each a small struct with operator() and derivative() = dw/dq for any arithmetic
 // type, packs (core/pack.hpp) among them:
-//   BSpline<P>, P = 1..5    centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h
-//   the cardinal
-//                           spline has rho = (P + 1) h / 2: linear h, quadratic 1.5 h, cubic 2 h.
-//                           P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al. (2019) eq. 10.
-//   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions (Wendland
-//   1995). Gaussian                exp(-(q/c)^2), lowered so that it is continuous at q = 1
-//                           (Belytschko, Lu, Gu 1994), c its width in supports; 1 - q^2 for c >> 1.
-//   InverseDistance         (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): nearly
-//   interpolating.
+//   BSpline<P>, P = 1..5      centred cardinal B-splines (Schoenberg 1946). On a grid of spacing h
+//                             the cardinal spline has rho = (P + 1) h / 2: linear h, quadratic
+//                             1.5 h, cubic 2 h. P = 2 is Gong (2015) eq. 5.2, P = 3 is Tran et al.
+//                             (2019) eq. 10
+//   Wendland<K>, K = 0,2,4,6  C^K functions, positive definite in up to three dimensions
+//                             (Wendland 1995)
+//   Gaussian                  exp(-(q/c)^2), lowered so that it is continuous at q = 1
+//                             (Belytschko, Lu, Gu 1994), c its width in support radii; it tends to
+//                             1 - q^2 for c >> 1
+//   InverseDistance           (1 - q)^2 / (q^2 + e^2), after Franke and Little (Franke 1982): for
+//                             small e nearly interpolating
 #pragma once
 
 #include <algorithm>
@@ -38,11 +39,11 @@
 
 namespace recon {
 
-// A weight of your own: any copyable type with these two. It is called with 0 <= q < 1 only, and
-// must return finite numbers, w(q) >= 0: others throw InvalidArgument, with q and w, out of
-// whatever asked for them. It is called concurrently. One with parameters may have a member
-// validate(), which throws InvalidArgument for values that are no good; it is called when the
-// weight is chosen.
+// A weight of your own: any copyable type with these two functions. They are called with 0 <= q < 1
+// only, possibly concurrently, and must return finite numbers, w(q) >= 0; for others
+// InvalidArgument is thrown, with q and w, by the call that asked for the weight. A weight with
+// parameters may have a member validate() that throws InvalidArgument for values that are not
+// allowed; it is called when the weight is chosen.
 template <class W>
 concept RadialWeight = std::copy_constructible<W> && requires(const W& w, double q) {
   { w(q) } -> std::convertible_to<double>;             // q = |x - x_p| / rho, no unit
@@ -69,7 +70,7 @@ constexpr double binomial(int n, int k) {
   return value;
 }
 
-// What evaluates a weight, one q after the other, has these checks of what it returned.
+// Checks what a weight returned; whatever calls a weight for one q after the other uses it.
 template <class Scalar>
 void require_weight(const Scalar& q, const Scalar& w) {
   if (!(w >= Scalar(0)) || !is_finite(w)) [[unlikely]]
@@ -81,7 +82,7 @@ void require_slope(const Scalar& q, const Scalar& slope) {
     throw_invalid("derivative w'(q) of the weight at q = " + to_text(q), slope, "must be finite");
 }
 
-// Asks a weight with parameters whether they are any good.
+// Calls validate() of a weight that has one.
 template <class W>
 void validate_weight(const W& weight) {
   if constexpr (requires { weight.validate(); }) weight.validate();
@@ -106,24 +107,26 @@ struct BSpline {
 
   template <class T>
   constexpr T operator()(T q) const {
-    return sum<P>((T(1) - q) * constant<T>((P + 1) / 2.0)) * constant<T>(1 / detail::factorial<P>);
+    return sum<P>((T(1) - q) * detail::constant<T>((P + 1) / 2.0)) *
+           detail::constant<T>(1 / detail::factorial<P>);
   }
   template <class T>
   constexpr T derivative(T q) const {
-    return sum<P - 1>((T(1) - q) * constant<T>((P + 1) / 2.0)) *
-           constant<T>(-(P + 1) / 2.0 / detail::factorial<P - 1>);
+    return sum<P - 1>((T(1) - q) * detail::constant<T>((P + 1) / 2.0)) *
+           detail::constant<T>(-(P + 1) / 2.0 / detail::factorial<P - 1>);
   }
 
  private:
-  // The alternating sum of powers N of the distances to the knots; q >= 1 gives s <= 0 and so 0.
+  // The alternating sum of the N-th powers of the distances to the knots; q >= 1 gives
+  // s <= 0 and so 0.
   template <int N, class T>
   static constexpr T sum(T s) {
     using std::max;
     T total = T(0);
     for (int k = 0; 2 * k < P + 1; ++k) {
-      const T coefficient = constant<T>((k % 2 ? -1 : 1) * detail::binomial(P + 1, k));
+      const T coefficient = detail::constant<T>((k % 2 ? -1 : 1) * detail::binomial(P + 1, k));
       if constexpr (N == 0) {
-        total = select(s - T(k) > T(0), T(total + coefficient), total);
+        total = detail::select(s - T(k) > T(0), T(total + coefficient), total);
       } else {
         total = total + coefficient * detail::power<N>(T(max(T(s - T(k)), T(0))));
       }
@@ -143,7 +146,7 @@ struct Wendland {
     if constexpr (K == 0) return r * r;
     if constexpr (K == 2) return detail::power<4>(r) * (T(4) * q + T(1));
     if constexpr (K == 4)
-      return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * constant<T>(1.0 / 3);
+      return detail::power<6>(r) * ((T(35) * q + T(18)) * q + T(3)) * detail::constant<T>(1.0 / 3);
     if constexpr (K == 6)
       return detail::power<8>(r) * (((T(32) * q + T(25)) * q + T(8)) * q + T(1));
   }
@@ -154,7 +157,7 @@ struct Wendland {
     if constexpr (K == 0) return T(-2) * r;
     if constexpr (K == 2) return T(-20) * q * detail::power<3>(r);
     if constexpr (K == 4)
-      return constant<T>(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
+      return detail::constant<T>(-56.0 / 3) * q * (T(5) * q + T(1)) * detail::power<5>(r);
     if constexpr (K == 6) return T(-22) * q * ((T(16) * q + T(7)) * q + T(1)) * detail::power<7>(r);
   }
 };
@@ -169,25 +172,26 @@ struct Gaussian {
     using std::exp, std::expm1;
     const double a = steepness();
     const T rest = (T(1) - q) * (T(1) + q);
-    return select(q < T(1),
-                  T(exp(T(q * q * constant<T>(-a))) * expm1(T(rest * constant<T>(-a))) *
-                    constant<T>(1 / std::expm1(-a))),
-                  T(0));
+    return detail::select(
+        q < T(1),
+        T(exp(T(q * q * detail::constant<T>(-a))) * expm1(T(rest * detail::constant<T>(-a))) *
+          detail::constant<T>(1 / std::expm1(-a))),
+        T(0));
   }
   template <class T>
   T derivative(T q) const {
     using std::exp;
     const double a = steepness();
-    const T slope = q * constant<T>(2 * a / std::expm1(-a));
-    return select(q < T(1), T(slope * exp(T(q * q * constant<T>(-a)))), T(0));
+    const T slope = q * detail::constant<T>(2 * a / std::expm1(-a));
+    return detail::select(q < T(1), T(slope * exp(T(q * q * detail::constant<T>(-a)))), T(0));
   }
   void validate() const {
-    require(std::isfinite(shape) && shape > 0, "shape of the weight Gaussian", shape,
-            "must be positive and finite: its width as a fraction of the support");
+    detail::require(std::isfinite(shape) && shape > 0, "shape of the weight Gaussian", shape,
+                    "must be positive and finite: its width as a fraction of the support");
   }
 
  private:
-  // Beyond these ends w equals its limits, 1 - q^2 and the spike at q = 0, in all digits.
+  // Beyond these values of c, w equals its limits in all digits: 1 - q^2, and a spike at q = 0.
   RECON_INLINE double steepness() const {
     const double a = 1 / (shape * shape);
     return a < 1e-20 ? 1e-20 : a > 1e20 ? 1e20 : a;
@@ -202,20 +206,20 @@ struct InverseDistance {
   constexpr T operator()(T q) const {
     using std::max;
     const T r = max(T(T(1) - q), T(0));
-    return r * r / (q * q + constant<T>(softening * softening));
+    return r * r / (q * q + detail::constant<T>(softening * softening));
   }
   template <class T>
   constexpr T derivative(T q) const {
     using std::max;
     const T r = max(T(T(1) - q), T(0));
-    const T d = q * q + constant<T>(softening * softening);
+    const T d = q * q + detail::constant<T>(softening * softening);
     return (T(-2) * r * d - T(2) * q * r * r) / (d * d);
   }
   void validate() const {
-    require(std::isfinite(softening) && softening > 0, "softening of the weight InverseDistance",
-            softening,
-            "must be positive and finite: the distance, as a fraction of the support, "
-            "within which the weight stays level");
+    detail::require(std::isfinite(softening) && softening > 0,
+                    "softening of the weight InverseDistance", softening,
+                    "must be positive and finite: the distance, as a fraction of the support, "
+                    "within which the weight stays level");
   }
 };
 
@@ -239,9 +243,8 @@ enum class Weight {
 
 enum class WeightForm { radial, tensor_product };
 
-// All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic",
-// "wendland_c0",
-// ..., "gaussian", "inverse_distance".
+// All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic" (B-splines),
+// "wendland_c0", ..., "gaussian", "inverse_distance".
 std::span<const Weight> all_weights();
 std::string_view name_of(Weight weight);
 // Throws InvalidArgument with the nearest valid names for an unknown one.
@@ -257,7 +260,7 @@ class WeightFunction {
 
   WeightFunction(Weight weight = Weight::cubic_b_spline);
 
-  // The exclusion comes first: a concept that asked whether a WeightFunction can be copied would
+  // same_as comes first: a concept that asked whether a WeightFunction can be copied would
   // ask for itself.
   template <class W>
   requires(!std::same_as<W, WeightFunction> && RadialWeight<W>) WeightFunction(W weight)
@@ -267,8 +270,8 @@ class WeightFunction {
     evaluate_float_ = &run<W, float>;
   }
 
-  // evaluate() as a plain function, to be called with state(): recon's own weights in the
-  // instructions of the set (a resolved one).
+  // evaluate() as a plain function, to be called with state(). The built-in weights are compiled
+  // for the given instruction set (a resolved one).
   template <class Scalar>
   Function<Scalar> function(InstructionSet set) const;
   const void* state() const { return state_.get(); }

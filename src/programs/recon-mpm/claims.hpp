@@ -8,9 +8,9 @@
 
 namespace recon::program {
 
-// An order of convergence that the statement implies: slope of log(error) over log(h), fitted to
-// all grids, at least (or at most) this. A run that fails has no order: it satisfies "at most"
-// only.
+// An order of convergence that the statement implies: slope of log(error) over log(h),
+// fitted to all grids, at least (or at most) this. A run that fails has no order: it
+// satisfies "at most" only.
 struct Expectation {
   std::string method, field;
   bool at_least = true;

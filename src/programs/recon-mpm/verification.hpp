@@ -21,8 +21,8 @@ struct Verdict {
   std::string figure, statement, verdict;
 };
 
-// "holds" where all parts of a statement do, "holds partly" where some do, else "does not
-// reproduce".
+// "holds" where all parts of a statement do, "holds partly" where some do, else "does
+// not reproduce".
 std::string verdict_of(int kept, int all);
 
 // An example problem with settings.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "mapping.hpp"
 #include "recon/core/error.hpp"
@@ -32,8 +33,9 @@ void FrameAverage::add(const FieldSet& fields, const FitReports& reports) {
       fields_.back().values.assign(field.size(), 0);
     }
     Field& sum = fields_[at++];
-    require(field.values.size() == sum.mean.size(), "number of values of a frame",
-            field.values.size(), "must be that of the first frame");
+    if (field.values.size() != sum.mean.size())
+      throw InvalidArgument("number of values of a frame", std::to_string(field.values.size()),
+                            "must be that of the first frame");
     const std::size_t components = static_cast<std::size_t>(field.components);
     for (std::size_t t = 0; t < field.size(); ++t) {
       if (!has_value(field, t)) continue;

@@ -12,8 +12,8 @@ struct Coincidence {
   std::size_t particles = 0;  // at these places
 };
 
-// Places are the same where all coordinates are equal, periodic images being one place. Cost
-// O(n log n).
+// Places are the same where all coordinates are equal, periodic images being one place.
+// Cost O(n log n).
 Coincidence count_coincident(const Particles& particles);
 
 }  // namespace recon::program

@@ -41,8 +41,8 @@ void add_fit_options(CLI::App& app, FitChoice& choice);
 // What --method takes, for its help.
 extern const char* const method_help;
 
-// `text` is NAME or NAME:DEGREE; without a degree that of `choice` holds, else 1, and 0 for
-// shepard.
+// `text` is NAME or NAME:DEGREE; without a degree that of `choice` holds, else 1,
+// and 0 for shepard.
 Method read_method(const std::string& text, const FitChoice& choice);
 
 // Leaves out the particles without a number in the column that weighs them. Ends with wrong_usage

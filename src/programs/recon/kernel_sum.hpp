@@ -1,13 +1,12 @@
 // Sums over kernels: how much of something lies at a place, per volume.
 //
-//     s(x) = sum_p a_p W(x - x_p),   W(r) = w(q) / (c rho^D),   c = integral of w over the unit
-//     support,
-// with the amounts a_p of the particles (mass: density; 1: number density; volume: solid fraction),
-// w(q) the weight of the reconstruction and rho the support radius of the target (Lucy 1977;
-// Gingold and Monaghan 1977). W has a unit integral, so the integral of s over all space is the sum
-// of the amounts. Images across periodic borders count. Near a wall or a free surface part of the
-// support is empty, and s falls off over one support radius; it is not divided by the part that is
-// filled.
+//     s(x) = sum_p a_p W(x - x_p),   W(r) = w(q) / (c rho^D),   c = integral of w, unit support,
+// with the amounts a_p of the particles (mass: density; 1: number density; volume: solid
+// fraction), w(q) the weight of the reconstruction and rho the support radius of the target (Lucy
+// 1977; Gingold and Monaghan 1977). W has a unit integral, so the integral of s over all space is
+// the sum of the amounts. Images across periodic borders count. Near a wall or a free surface part
+// of the support is empty, and s falls off over one support radius; it is not divided by the part
+// that is filled.
 #pragma once
 
 #include <span>

@@ -2,8 +2,8 @@
 //
 // A series: each output and picture gets the number of its frame in the series (v.vti becomes
 // v_0000.vti, v_0001.vti, ...), and .vti and .vtp a list for ParaView (v.pvd) with the times or,
-// where a frame has none, the steps or else the numbers. Each frame has the grid that covers it, all
-// with the spacing of the first.
+// where a frame has none, the steps or else the numbers. Each frame has the grid that covers it,
+// all with the spacing of the first.
 //
 // An average (see average.hpp): one output, on the grid of the first frame or of --bounds, with the
 // supports of the first frame. What lies outside that grid later on is counted and said.

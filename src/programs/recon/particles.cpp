@@ -109,9 +109,9 @@ PeriodicDomain<double> choose_domain(const InputOptions& options, const Particle
   return domain;
 }
 
-// The spacing of a regular lattice that has as many points in this extent: along an axis of length
-// L it has L / spacing of them where the axis is periodic, else one more. 0 for particles at one
-// place.
+// The spacing of a regular lattice that has as many points in this extent: along an axis of
+// length L it has L / spacing of them where the axis is periodic, else one more. 0 for
+// particles at one place.
 double box_spacing(const Particles& particles) {
   const auto points = [&](double spacing) {
     double product = 1;

@@ -1,0 +1,60 @@
+// The names that the samples in the comments of the public headers take for granted. The samples
+// are compiled and never run: nothing here is defined.
+#pragma once
+
+#include <array>
+#include <iostream>
+#include <vector>
+
+#include "recon/grid/grid_moments.hpp"
+#include "recon/local_solve/local_cloud.hpp"
+#include "recon/neighbourhood/kd_tree.hpp"
+#include "recon/recon.hpp"
+#ifdef SAMPLES_OF_MPM
+#include "recon/mpm/problem.hpp"
+#include "recon/mpm/simulation.hpp"
+#endif
+
+namespace samples {
+
+// The reader's own data.
+struct Grain {
+  std::array<double, 3> position, velocity;
+};
+extern const std::vector<Grain> grains;
+extern const std::vector<std::array<double, 3>> nodes;
+extern const std::vector<double> vx, vy, temperature, momenta;
+
+// Views of them, and what goes with them.
+extern const recon::PointsView<double> points, targets;
+extern const recon::FieldView<double> velocity, stress, density, nodal_force;
+extern const recon::StructuredGrid<double> grid;
+extern const recon::GridOptions options;
+extern const recon::GridMoments others;
+extern const std::vector<double> nodal_density;
+extern const double h;
+
+// One target.
+extern const std::array<double, 2> x;
+extern const double rho;
+extern const recon::PointCloud<double> particles;
+extern const std::vector<std::array<double, 2>> position;
+extern const std::vector<double> u;
+struct MyWeight {
+  double operator()(double q) const { return 1 - q; }
+  double derivative(double) const { return -1; }
+};
+
+extern const recon::LocalCloud<double, 3> cloud;
+extern double* const phi;
+
+template <class T>
+void use(const T&);
+
+#ifdef SAMPLES_OF_MPM
+extern const recon::mpm::Problem<2> problem;
+extern const recon::mpm::Matrix<2> half_edges;
+extern const double end;
+#endif
+
+}  // namespace samples
