@@ -389,6 +389,27 @@ CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> 
 }
 
 template <class Scalar>
+CsrOperator<Scalar>& CsrOperator<Scalar>::add(const CsrOperator& other, Scalar factor) {
+  require(pattern_ == other.pattern_, "pattern of the operator", "another",
+          "must be the same: operators of one reconstruction add up");
+  require(blocks_ == other.blocks_, "blocks of the operator", other.blocks_,
+          "must be as many as those of the other");
+  parallel_blocks(values_.size(), 16 * rows_per_block, threads_,
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t i = begin; i < end; ++i)
+                      values_[i] += factor * other.values_[i];
+                  });
+  return *this;
+}
+
+template <class Scalar>
+CsrOperator<Scalar>& CsrOperator<Scalar>::operator*=(Scalar factor) {
+  require(std::isfinite(factor), "factor of the operator", factor, "must be finite");
+  for (Scalar& value : values_) value *= factor;
+  return *this;
+}
+
+template <class Scalar>
 std::vector<std::uint32_t> CsrOperator<Scalar>::empty_rows() const {
   std::vector<std::uint32_t> targets;
   for (const std::uint32_t row : pattern_->empty_rows)

@@ -190,9 +190,12 @@ void FitProblem<Scalar>::fit_list(const PointCloud<Scalar>& at, const NeighbourL
 }
 
 template <class Scalar>
-Array<Scalar> FitProblem<Scalar>::derivatives(bool second, Derivative kind, int blocks) const {
+void FitProblem<Scalar>::derivatives(Derivative kind, Array<Scalar>* first,
+                                     Array<Scalar>* second) const {
   const NeighbourList<Scalar>& list = pattern_->neighbours;
-  Array<Scalar> values(list.indices.size() * static_cast<std::size_t>(blocks));
+  const int firsts = dimension(), seconds = dimension() * (dimension() + 1) / 2;
+  if (first) first->resize(list.indices.size() * static_cast<std::size_t>(firsts));
+  if (second) second->resize(list.indices.size() * static_cast<std::size_t>(seconds));
   Array<ParticleIndex> places(list.indices.size());
   const std::span<const std::uint32_t> place_of = cloud_->place_of();
   recon::parallel_blocks(places.size(), many_per_block, options_.threads,
@@ -206,15 +209,20 @@ Array<Scalar> FitProblem<Scalar>::derivatives(bool second, Derivative kind, int 
   recon::parallel_blocks(targets_.size(), targets_per_block, options_.threads,
                          [&](std::size_t begin, std::size_t end) {
                            ShapeRows<Scalar> rows;
-                           (second ? rows.hessian : rows.gradient) = values.data();
+                           if (first) rows.gradient = first->data();
+                           if (second) rows.hessian = second->data();
                            rows.kind = kind;
                            kernel_->evaluate(problem, begin, end, rows);
                          });
   // The value of the nearest particle is constant about the target.
-  for (const std::uint32_t t : nearest_rows_)
-    std::fill(values.begin() + list.offsets[t] * blocks,
-              values.begin() + list.offsets[t + 1] * blocks, Scalar(0));
-  return values;
+  const auto flatten = [&](Array<Scalar>* values, int blocks) {
+    for (const std::uint32_t t : nearest_rows_)
+      if (values)
+        std::fill(values->begin() + list.offsets[t] * blocks,
+                  values->begin() + list.offsets[t + 1] * blocks, Scalar(0));
+  };
+  flatten(first, firsts);
+  flatten(second, seconds);
 }
 
 template class FitProblem<float>;

@@ -43,8 +43,9 @@ class FitProblem {
   // Of the caller's targets.
   const FitReports& reports() const { return reports_; }
 
-  // Gradients or second derivatives, `blocks` numbers for each entry of the pattern.
-  Array<Scalar> derivatives(bool second, Derivative kind, int blocks) const;
+  // First derivatives of a kind and second derivatives, D and D (D + 1) / 2 numbers for each entry
+  // of the pattern; null where they are not wanted.
+  void derivatives(Derivative kind, Array<Scalar>* first, Array<Scalar>* second) const;
 
  private:
   void require_dimension(const PointsView<Scalar>& targets) const;

@@ -130,6 +130,19 @@ class CsrOperator {
   Row row(std::size_t target) && = delete;
   std::vector<std::uint32_t> empty_rows() const;  // targets without support, ascending
 
+  Scalar fill() const { return fill_; }  // of rows without support
+  int threads() const { return threads_; }
+
+  // Operators on one pattern, as those of one reconstruction are, add up, entry by entry; the fill
+  // value is that of the left one. Throws InvalidArgument for other patterns or numbers of blocks.
+  CsrOperator& operator+=(const CsrOperator& other) { return add(other, Scalar(1)); }
+  CsrOperator& operator-=(const CsrOperator& other) { return add(other, Scalar(-1)); }
+  CsrOperator& operator*=(Scalar factor);
+  friend CsrOperator operator+(CsrOperator a, const CsrOperator& b) { return std::move(a += b); }
+  friend CsrOperator operator-(CsrOperator a, const CsrOperator& b) { return std::move(a -= b); }
+  friend CsrOperator operator*(Scalar factor, CsrOperator a) { return std::move(a *= factor); }
+  friend CsrOperator operator*(CsrOperator a, Scalar factor) { return std::move(a *= factor); }
+
   // A row per target. Throws InvalidArgument where the field has not one value per particle, and
   // where a value that a row needs is not finite, naming the particle and the component; those that
   // no row needs are not looked at.
@@ -144,6 +157,8 @@ class CsrOperator {
   void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
 
  private:
+  CsrOperator& add(const CsrOperator& other, Scalar factor);
+
   // For a reconstruction, whose values may be limited: `limited` has a count per target.
   friend class BasicReconstruction<Scalar>;
   void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out, const Apply& how,

@@ -10,7 +10,6 @@
 //     // fit.report()[t] says what became of target t
 //   }
 // ```
-//   what became of target t
 //
 // At each target x the particles in its support are fitted with a polynomial of the asked degree
 // (weighted least squares), and the value at x is a linear combination sum_p phi_p(x) u_p of the
@@ -19,17 +18,24 @@
 // (Lancaster and Salkauskas 1981; Gong 2015, ch. 3; Tran et al. 2019, sec. 2.)
 //
 // A Reconstruction owns what it needs: your arrays may change or go once it is made. To follow
-// moving particles, make a new one. Memory: about 12 bytes (double) per target and neighbour, plus
-// the coordinates.
+// moving particles, make it from Sources (neighbourhood/sources.hpp) and update both. Memory: about
+// 12 bytes (double) per target and neighbour, plus the coordinates.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <memory>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "recon/neighbourhood/sources.hpp"
 #include "recon/operators/csr_operator.hpp"
 #include "recon/operators/fit_summary.hpp"
+#include "recon/operators/functional.hpp"
 #include "recon/operators/limit.hpp"
+#include "recon/operators/vector_operator.hpp"
 #include "recon/points/make_view.hpp"
 #include "recon/shape/options.hpp"
 #include "recon/shape/shape_kernel.hpp"
@@ -39,7 +45,14 @@ namespace recon {
 namespace detail {
 template <class Scalar>
 class FitProblem;
+
+inline Functional base_of(const Functional& functional) {
+  return functional;
 }
+inline Functional base_of(const VectorFunctional& functional) {
+  return Functional::gradient.with(functional.slopes());
+}
+}  // namespace detail
 
 template <class Scalar>
 class BasicReconstruction {
@@ -104,6 +117,18 @@ class BasicReconstruction {
   // degree 2, and in directions in which the gradient is not resolved.
   CsrOperator<Scalar> hessian() const;
 
+  // Operators of any functionals (functional.hpp), from one fit of each target for all of them: a
+  // std::tuple of a CsrOperator for each Functional and a VectorOperator for each VectorFunctional.
+  template <class... Functionals>
+  auto operators(const Functionals&... functionals) const {
+    const std::array<Functional, sizeof...(Functionals)> bases{detail::base_of(functionals)...};
+    std::vector<CsrOperator<Scalar>> made = operators_of(bases);
+    return [&]<std::size_t... i>(std::index_sequence<i...>) {
+      return std::tuple{finished(std::move(made[i]), functionals)...};
+    }
+    (std::index_sequence_for<Functionals...>{});
+  }
+
   const FitReports& report() const;
   // Who was near each target, and its support: a copy. A target whose status is `nearest` has the
   // nearest particle and a support that reaches it, not the one asked for. Among particles at the
@@ -118,7 +143,16 @@ class BasicReconstruction {
   using Problem = detail::FitProblem<Scalar>;
   template <class... Neighbours>
   void fit(const PointsView<Scalar>& targets, Neighbours&&... neighbours);
-  CsrOperator<Scalar> derivative(bool second, Derivative kind) const;
+  std::vector<CsrOperator<Scalar>> operators_of(std::span<const Functional> functionals) const;
+  CsrOperator<Scalar> operator_of(const Functional& functional) const {
+    return std::move(operators_of({&functional, 1}).front());
+  }
+  static CsrOperator<Scalar> finished(CsrOperator<Scalar>&& made, const Functional&) {
+    return std::move(made);
+  }
+  static VectorOperator<Scalar> finished(CsrOperator<Scalar>&& made, const VectorFunctional& f) {
+    return {std::move(made), f};
+  }
   Scalar fill() const;
 
   std::shared_ptr<Problem> problem_;

@@ -1,0 +1,54 @@
+// A linear map from vector fields of particles to targets that mixes components: divergence, curl,
+// strain rate.
+//
+//     out(t, i) = sum over c, d of factor(i, c, d) * du_c/dx_d (t) ,
+// with the gradient operator of a reconstruction and factors that do not depend on the target. The
+// transpose takes target data f back to particles, so that <apply(u), f> = <u, apply_transpose(f)>
+// to rounding: the transpose of the divergence is the discrete (negative) gradient of the weak
+// form.
+#pragma once
+
+#include <vector>
+
+#include "recon/operators/csr_operator.hpp"
+#include "recon/operators/functional.hpp"
+
+namespace recon {
+
+template <class Scalar>
+class VectorOperator {
+ public:
+  using Matrix = typename CsrOperator<Scalar>::Matrix;
+
+  VectorOperator() = default;
+  // Throws InvalidArgument for a curl in one dimension.
+  VectorOperator(CsrOperator<Scalar> gradient, VectorFunctional functional);
+
+  std::size_t rows() const { return gradient_.rows(); }        // targets
+  std::size_t columns() const { return gradient_.columns(); }  // particles
+  int inputs() const { return gradient_.blocks(); }            // components of a field of particles
+  int outputs() const { return outputs_; }                     // components at a target
+
+  // A row per target; the fill value of the gradient where there is no support. Throws
+  // InvalidArgument as CsrOperator does, and for fields of other than inputs() components.
+  Matrix apply(const FieldView<Scalar>& field) const;
+  void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
+  // A row per particle, of fields of outputs() components.
+  Matrix apply_transpose(const FieldView<Scalar>& field) const;
+  void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
+
+ private:
+  struct Term {
+    int output, component, axis;
+    Scalar factor;
+  };
+
+  CsrOperator<Scalar> gradient_;
+  std::vector<Term> terms_;
+  int outputs_ = 0;
+};
+
+extern template class VectorOperator<float>;
+extern template class VectorOperator<double>;
+
+}  // namespace recon
