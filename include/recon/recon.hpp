@@ -10,14 +10,16 @@
 //   views of your data   points_of, field_of      points/make_view.hpp
 //   what to choose       Options                  shape/options.hpp
 //   the reconstruction   reconstruct              operators/reconstruct.hpp
+//   derivatives          Functional               operators/functional.hpp
+//   particles kept       Sources                  neighbourhood/sources.hpp
 //   what became of it    FitReport, FitReports    local_solve/report.hpp, operators/fit_summary.hpp
 //   grids of targets     StructuredGrid           points/structured_grid.hpp
 //   nodes of a grid      reconstruct_on_grid      grid/reconstruct_on_grid.hpp, without neighbour
 //                                                 lists
 //
-// Included separately: grid/grid_moments.hpp, points/boost_geometry.hpp, operators/sparse.hpp, the
-// searches (neighbourhood/kd_tree.hpp, ...), and the templates for a weight, basis, search or
-// scalar of your own (shape/shape_function.hpp).
+// Included separately: grid/grid_moments.hpp, points/boost_geometry.hpp, operators/sparse.hpp,
+// operators/kernel_sum.hpp, the searches (neighbourhood/kd_tree.hpp, ...), and the templates for a
+// weight, basis, search or scalar of your own (shape/shape_function.hpp).
 #pragma once
 
 #include "recon/grid/reconstruct_on_grid.hpp"

@@ -9,6 +9,7 @@
 #include "recon/grid/grid_moments.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/neighbourhood/kd_tree.hpp"
+#include "recon/operators/kernel_sum.hpp"
 #include "recon/recon.hpp"
 #ifdef SAMPLES_OF_MPM
 #include "recon/mpm/problem.hpp"
@@ -23,16 +24,19 @@ struct Grain {
 };
 extern const std::vector<Grain> grains;
 extern const std::vector<std::array<double, 3>> nodes;
-extern const std::vector<double> vx, vy, temperature, momenta;
+extern const std::vector<double> vx, vy, vz, temperature, momenta;
 
 // Views of them, and what goes with them.
-extern const recon::PointsView<double> points, targets;
-extern const recon::FieldView<double> velocity, stress, density, nodal_force;
+extern const recon::PointsView<double> points, targets, moved;
+extern const recon::PeriodicDomain<double> box;
+extern const recon::Sources sources;
+extern const recon::Reconstruction fit;
+extern const recon::FieldView<double> velocity, stress, density, nodal_force, mass;
 extern const recon::StructuredGrid<double> grid;
 extern const recon::GridOptions options;
 extern const recon::GridMoments others;
 extern const std::vector<double> nodal_density;
-extern const double h;
+extern const double h, dt;
 
 // One target.
 extern const std::array<double, 2> x;

@@ -67,7 +67,7 @@ TYPED_TEST(Functionals, AreThoseOfQuadratics) {
   constexpr int D = TypeParam::value;
   const auto points = random_points<double, D>(1200, 1), targets = random_points<double, D>(600, 2);
   const Quadratic<D> u;
-  const MatrixXd field = values_of(u, points);
+  const MatrixXd field = values_of<D>(u, points);
   for (const Solver solver : {Solver::gram_schmidt, Solver::moment_matrix, Solver::svd}) {
     const auto fit = reconstruct(points_of(points), points_of(targets),
                                  {.degree = 2,

@@ -12,14 +12,13 @@
 //   flat array x0 y0 z0 x1 y1 z1 ...                points_of_flat(array, 3)
 //   types registered with Boost.Geometry            points_of of points/boost_geometry.hpp
 //
-// Fields have the same forms, but for those of several arrays; components that lie in arrays of
-// their own are fields of their own:
+// Fields have the same forms:
 //
 // ```cpp
 //   recon::FieldView<double> velocity = recon::field_of(grains, &Grain::velocity);
 //   recon::FieldView<double> heat = recon::field_of(temperature);          // a number per particle
 //   recon::FieldView<double> momentum = recon::field_of_flat(momenta, 3);  // px py pz px py pz ...
-//   recon::FieldView<double> v_x = recon::field_of(vx), v_y = recon::field_of(vy);
+//   recon::FieldView<double> v = recon::field_of(vx, vy, vz);              // an array for each
 // ```
 //
 // A matrix-valued member (std::array<std::array<double, 3>, 3>, Eigen::Matrix3d) is a field of 9

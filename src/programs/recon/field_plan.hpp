@@ -3,7 +3,7 @@
 //   a column       mapped as it is
 //   speed          sqrt(vx^2 + vy^2 + vz^2) of each particle, then mapped
 //   velocity       vx, vy (, vz) as one field of several components
-//   density, number_density, solid_fraction    kernel sums, see kernel_sum.hpp
+//   density, number_density, solid_fraction    kernel sums, see recon/operators/kernel_sum.hpp
 //   all            every column of numbers but labels (id, type, image flags, ...) and coordinates
 // A column of the file goes before a derived field of the same name.
 #pragma once

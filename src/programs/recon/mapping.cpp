@@ -1,9 +1,8 @@
 #include "mapping.hpp"
 
 #include <algorithm>
-#include <memory>
 
-#include "kernel_sum.hpp"
+#include "recon/operators/kernel_sum.hpp"
 #include "recon/operators/reconstruct.hpp"
 
 namespace recon::program {
@@ -23,7 +22,7 @@ struct Part {
   PointsView<double> view() const { return points_of_axes(axes, dimension); }
 };
 
-// Targets that are done at once: enough that building the search costs little beside them.
+// Targets that are done at once: enough to be worth a call, few enough for the memory.
 std::size_t part_size(std::size_t particles) {
   return std::clamp<std::size_t>(particles / 2, 20'000, 200'000);
 }
@@ -58,8 +57,10 @@ class Mapper {
       : particles_(particles),
         plan_(plan),
         options_(options),
-        positions_(particles.positions()),
+        sources_(particles.positions(), options.sources()),
         gradient_(gradient) {
+    options_.domain = {};  // the Sources have it, and the weights
+    options_.particle_weights = {};
     for (const PlannedField& field : plan)
       for (const std::string& column : field.columns) place_of(column);
     if (!columns_.empty()) data_ = particles.table.field("fields", columns_);
@@ -68,13 +69,10 @@ class Mapper {
     slopes_.resize(gradient ? columns_.size() * particles.dimension : 0);
     for (auto& column : slopes_) column.reserve(targets);
     sums_.resize(plan.size());
-    if (has_sums(plan))
-      kernel_ = std::make_unique<KernelSum>(positions_, options.domain, options.weight,
-                                            options.form, options.threads);
   }
 
   void add(const PointsView<double>& targets) {
-    const Reconstruction fit = reconstruct(positions_, targets, options_);
+    const Reconstruction fit = reconstruct(sources_, targets, options_);
     reports_.insert(reports_.end(), fit.report().all().begin(), fit.report().all().end());
     LimitCount limited;
     limited.components.resize(targets.size());
@@ -83,7 +81,7 @@ class Mapper {
     limited_.components.insert(limited_.components.end(), limited.components.begin(),
                                limited.components.end());
     if (!columns_.empty() && gradient_) append(fit.gradient().apply(data_.view()), slopes_);
-    if (kernel_) add_sums(targets, fit);
+    if (has_sums(plan_)) add_sums(targets, fit);
   }
 
   Mapped result() {
@@ -122,28 +120,23 @@ class Mapper {
     }
   }
 
-  // The k nearest particles do not fill the support that they define: all in it are sought. So they
-  // are where sums have a radius of their own, or targets that are too far have lost their lists.
+  // Over the support of each target's fit, or one of the sums' own.
   void add_sums(const PointsView<double>& targets, const Reconstruction& fit) {
-    const bool complete =
-        std::holds_alternative<Radius>(options_.neighbours) && fit.report().too_far() == 0;
-    NeighbourList<double> found = fit.neighbours();
-    if (!complete) {
-      NeighbourOptions search{.threads = options_.threads};
-      if (options_.form == WeightForm::tensor_product) search.shape = SupportShape::cube;
-      const PointCloud<double> wrapped(targets, "targets", options_.domain);
-      const Array<double> radii = std::move(found.support);
-      NeighbourRule rule = Radii{radii};
-      if (options_.sum_radius) rule = Radius{*options_.sum_radius};
-      found = find_neighbours(kernel_->particles(), wrapped, rule, options_.domain, search);
-    }
+    std::vector<double> radii(targets.size());
+    for (std::size_t t = 0; t < radii.size(); ++t) radii[t] = fit.support(t);
+    KernelOptions how{.weight = options_.weight, .form = options_.form, .support = Radii{radii}};
+    if (options_.sum_radius) how.support = Radius{*options_.sum_radius};
+    how.threads = options_.threads;
+    const CsrOperator<double> kernels = kernel_operator(sources_, targets, how);
     for (std::size_t f = 0; f < plan_.size(); ++f) {
       if (!plan_[f].is_kernel_sum()) continue;
-      std::vector<double> sums = kernel_->at(targets, found, plan_[f].amounts);
-      // The list of a target without support may hold the nearest particle, which is not in it.
-      for (std::size_t t = 0; t < sums.size() && !options_.sum_radius; ++t)
-        if (fit.report()[t].status == FitStatus::nearest) sums[t] = 0;
-      sums_[f].insert(sums_[f].end(), sums.begin(), sums.end());
+      const Eigen::MatrixXd sums = kernels.apply(field_of(plan_[f].amounts));
+      for (std::size_t t = 0; t < radii.size(); ++t) {
+        // The support of a target that has the nearest particle reaches it, unlike the one asked
+        // for.
+        const bool nearest = !options_.sum_radius && fit.report()[t].status == FitStatus::nearest;
+        sums_[f].push_back(nearest ? 0 : sums(static_cast<Eigen::Index>(t), 0));
+      }
     }
   }
 
@@ -165,8 +158,8 @@ class Mapper {
 
   const Particles& particles_;
   const FieldPlan& plan_;
-  const FitOptions& options_;
-  PointsView<double> positions_;
+  FitOptions options_;
+  Sources sources_;
   bool gradient_;
   std::vector<std::string> columns_;  // of the particles, each once
   NamedField data_;
@@ -174,7 +167,6 @@ class Mapper {
   std::vector<std::vector<double>> sums_;             // per field of the plan
   std::vector<FitReport> reports_;
   LimitCount limited_;
-  std::unique_ptr<KernelSum> kernel_;
 };
 
 }  // namespace
