@@ -85,7 +85,8 @@ class AllTargets {
       list_.offsets[t + 1] = static_cast<std::int64_t>((t + 1) * k);
     resize(count() * k);
     for_blocks([&](std::size_t begin, std::size_t end) {
-      Targets found(shared_);
+      const auto buffers = shared_.index.buffers().lend();
+      Targets found(shared_, *buffers);
       for (std::size_t s = begin; s < end; ++s) {
         const std::size_t t = target(s);
         list_.support[t] = found.find(t, shared_.targets.template point<D>(t));
@@ -95,10 +96,13 @@ class AllTargets {
   }
 
   void find_rows_of_any_length() {
-    std::vector<std::vector<Key>> blocks((count() + targets_per_block - 1) / targets_per_block);
+    const auto blocks = shared_.index.template blocks<Key>().lend();
+    blocks->resize(std::max(blocks->size(), (count() + targets_per_block - 1) / targets_per_block));
     for_blocks([&](std::size_t begin, std::size_t end) {
-      Targets found(shared_);
-      std::vector<Key>& block = blocks[begin / targets_per_block];
+      const auto buffers = shared_.index.buffers().lend();
+      Targets found(shared_, *buffers);
+      std::vector<Key>& block = (*blocks)[begin / targets_per_block];
+      block.clear();
       for (std::size_t s = begin; s < end; ++s) {
         const std::size_t t = target(s);
         list_.support[t] = found.find(t, shared_.targets.template point<D>(t));
@@ -109,8 +113,7 @@ class AllTargets {
     for (std::size_t t = 0; t < count(); ++t) list_.offsets[t + 1] += list_.offsets[t];
     resize(static_cast<std::size_t>(list_.offsets.back()));
     for_blocks([&](std::size_t begin, std::size_t end) {
-      const std::vector<Key> block = std::move(blocks[begin / targets_per_block]);
-      const Key* from = block.data();
+      const Key* from = (*blocks)[begin / targets_per_block].data();
       for (std::size_t s = begin; s < end; ++s) {
         const std::size_t t = target(s);
         const auto size = static_cast<std::size_t>(list_.count(t));

@@ -45,12 +45,17 @@ class CellGather {
   using Coding = NeighbourKey<periodic>;
   using Key = typename Coding::Key;
 
-  explicit CellGather(const SharedByTargets<S, D>& shared)
-      : shared_(shared), images_(shared.domain, shared.particles.box()) {
+  CellGather(const SharedByTargets<S, D>& shared, CellBuffers<S>& buffers)
+      : shared_(shared),
+        images_(shared.domain, shared.particles.box()),
+        distance2_(buffers.distance2),
+        index_(buffers.index),
+        shift_(buffers.shift) {
     // For the k nearest, particles found beyond k must be sorted out: they cost extra. For a
     // radius, what is found is the result, and does not count as wasted work.
     out_.work_per_found = shared.question.nearest ? 12 : -16;
-    make_room(512);
+    make_room(
+        std::max<std::size_t>(512, distance2_.size() > beyond ? distance2_.size() - beyond : 0));
   }
 
   // The next target. The limit is for all calls of within() until the one after it.
@@ -91,7 +96,6 @@ class CellGather {
 
  private:
   void make_room(std::size_t count) {
-    constexpr std::size_t beyond = 64;  // what the kernels may touch behind the last
     out_.capacity = static_cast<std::int64_t>(count);
     distance2_.resize(count + beyond);
     index_.resize(count + beyond);
@@ -130,12 +134,14 @@ class CellGather {
     return false;
   }
 
+  static constexpr std::size_t beyond = 64;  // what the kernels may touch behind the last
+
   const SharedByTargets<S, D>& shared_;
   PeriodicImages<S, D> images_;
   Point x_{};
   Gathered<S> out_{nullptr, nullptr};
-  std::vector<S> distance2_;
-  std::vector<std::uint32_t> index_, shift_;  // shift_: as codes
+  std::vector<S>& distance2_;
+  std::vector<std::uint32_t>&index_, &shift_;
 };
 
 }  // namespace recon::detail

@@ -18,8 +18,11 @@ class CellTargets {
   using Coding = NeighbourKey<periodic>;
   using Key = typename Coding::Key;
 
-  explicit CellTargets(SharedByTargets<S, D>& shared)
-      : shared_(shared), gathered_(shared), order_(shared.kernels), near_(shared.start) {}
+  CellTargets(SharedByTargets<S, D>& shared, CellBuffers<S>& buffers)
+      : shared_(shared),
+        gathered_(shared, buffers),
+        order_(shared.kernels, buffers),
+        near_(shared.start) {}
 
   // Keys of the neighbours of the target at x, in order, valid until the next call of find().
   const Key* begin() const { return order_.begin(); }

@@ -170,6 +170,16 @@ void Cloud<Scalar>::find(const PointCloud<Scalar>& targets, const NeighbourRule&
       kept_);
 }
 
+template <class Scalar>
+void Cloud<Scalar>::forget_buffers() const {
+  std::visit(
+      [&](const auto& kept) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(kept)>, std::monostate>)
+          kept->index.forget_buffers();
+      },
+      kept_);
+}
+
 template class Cloud<float>;
 template class Cloud<double>;
 

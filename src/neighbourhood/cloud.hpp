@@ -52,6 +52,8 @@ class Cloud {
   // find_with_index().
   void find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
             const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list) const;
+  // Gives back the memory that searches keep for the next one.
+  void forget_buffers() const;
 
  private:
   template <int D>

@@ -18,7 +18,12 @@ class KeyOrder {
   using Gather = CellGather<S, D, periodic>;
   using Key = typename Gather::Key;
 
-  explicit KeyOrder(const SearchKernels<S, D>& kernels) : kernels_(kernels) {}
+  KeyOrder(const SearchKernels<S, D>& kernels, CellBuffers<S>& buffers)
+      : kernels_(kernels),
+        rank_distance_(buffers.rank_distance),
+        rank_index_(buffers.rank_index),
+        pairs_(buffers.template pairs_of<Key>()),
+        ordered_(buffers.template ordered_of<Key>()) {}
 
   const Key* begin() const { return ordered_.data(); }
   const Key* end() const { return begin() + size_; }
@@ -100,10 +105,10 @@ class KeyOrder {
   }
 
   const SearchKernels<S, D>& kernels_;
-  std::vector<S> rank_distance_;
-  std::vector<std::uint32_t> rank_index_;
-  std::vector<std::pair<S, Key>> pairs_;
-  std::vector<Key> ordered_;
+  std::vector<S>& rank_distance_;
+  std::vector<std::uint32_t>& rank_index_;
+  std::vector<std::pair<S, Key>>& pairs_;
+  std::vector<Key>& ordered_;
   std::size_t size_ = 0;
 };
 

@@ -8,7 +8,10 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <utility>
+#include <vector>
 
+#include "core/pool.hpp"
 #include "neighbourhood/cells.hpp"
 #include "recon/neighbourhood/brute_force.hpp"
 #include "recon/neighbourhood/cell_grid.hpp"
@@ -16,6 +19,32 @@
 #include "recon/neighbourhood/r_tree.hpp"
 
 namespace recon::detail {
+
+// The memory of a CellGather (cell_gather.hpp) and a KeyOrder (key_order.hpp).
+template <class S>
+struct CellBuffers {
+  std::vector<S> distance2, rank_distance;
+  std::vector<std::uint32_t> index, shift, rank_index;  // shift: as codes
+  std::vector<std::pair<S, std::uint32_t>> pairs;
+  std::vector<std::pair<S, std::uint64_t>> periodic_pairs;
+  std::vector<std::uint32_t> ordered;
+  std::vector<std::uint64_t> periodic_ordered;
+
+  template <class Key>
+  auto& pairs_of() {
+    if constexpr (sizeof(Key) == 8)
+      return periodic_pairs;
+    else
+      return pairs;
+  }
+  template <class Key>
+  auto& ordered_of() {
+    if constexpr (sizeof(Key) == 8)
+      return periodic_ordered;
+    else
+      return ordered;
+  }
+};
 
 template <class S, int D>
 class SearchIndex {
@@ -63,6 +92,24 @@ class SearchIndex {
   std::shared_ptr<const RTree<S, D>> r_tree() { return kept(r_tree_); }
   std::shared_ptr<const BruteForce<S, D>> brute_force() { return kept(brute_force_); }
 
+  // Memory of searches by cells, kept from one to the next: that of a block of targets, and the
+  // keys found by all blocks (32 bits, and 64 in periodic domains).
+  Pool<CellBuffers<S>>& buffers() { return buffers_; }
+  template <class Key>
+  Pool<std::vector<std::vector<Key>>>& blocks() {
+    if constexpr (sizeof(Key) == 8)
+      return periodic_blocks_;
+    else
+      return blocks_;
+  }
+
+  // Gives the memory of searches back.
+  void forget_buffers() {
+    buffers_.clear();
+    blocks_.clear();
+    periodic_blocks_.clear();
+  }
+
   // Targets that cells serve badly are left to the k-d tree, once they have cost as much without it
   // as building it does. Work is counted as in cell_kernel.hpp.
   void add_hard_work(std::int64_t work) { paid_.fetch_add(work, std::memory_order_relaxed); }
@@ -83,6 +130,9 @@ class SearchIndex {
   }
 
   const PointCloud<S>& cloud_;
+  Pool<CellBuffers<S>> buffers_;
+  Pool<std::vector<std::vector<std::uint32_t>>> blocks_;
+  Pool<std::vector<std::vector<std::uint64_t>>> periodic_blocks_;
   std::mutex mutex_;
   std::shared_ptr<const Grid> grid_, wide_grid_;
   double wide_size_ = 0;

@@ -377,6 +377,13 @@ const typename SparsityPattern<Scalar>::Transposed& SparsityPattern<Scalar>::tra
 }
 
 template <class Scalar>
+const std::shared_ptr<const SparsityPattern<Scalar>>& CsrOperator<Scalar>::no_pattern() {
+  static const std::shared_ptr<const SparsityPattern<Scalar>> empty =
+      std::make_shared<SparsityPattern<Scalar>>();
+  return empty;
+}
+
+template <class Scalar>
 CsrOperator<Scalar>::CsrOperator(std::shared_ptr<const SparsityPattern<Scalar>> pattern,
                                  Array<Scalar> values, int blocks, Scalar fill, int threads)
     : pattern_(std::move(pattern)),

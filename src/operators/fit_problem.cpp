@@ -111,6 +111,12 @@ void FitProblem<Scalar>::fit(Array<Scalar> values) {
 }
 
 template <class Scalar>
+void FitProblem<Scalar>::forget_buffers() const {
+  cloud_->forget_buffers();
+  kernel_->forget_buffers();
+}
+
+template <class Scalar>
 void FitProblem<Scalar>::order_targets() {
   target_of_.clear();
   if (own_neighbours_ || incoming_.size() < fewest_sorted) return std::swap(targets_, incoming_);

@@ -32,6 +32,9 @@ class FitProblem {
   // pattern that nobody else holds.
   void fit(Array<Scalar> values);
 
+  // Gives back the memory that is kept for the next fit.
+  void forget_buffers() const;
+
   const Options& options() const { return options_; }
   bool has_own_neighbours() const { return own_neighbours_; }
   const std::shared_ptr<const Cloud<Scalar>>& shared_cloud() const { return cloud_; }

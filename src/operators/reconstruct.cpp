@@ -44,6 +44,7 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
                                                  const Options& options)
     : problem_(std::make_shared<Problem>(cloud_of(points, targets, options), options)) {
   update(targets);
+  problem_->forget_buffers();  // most of these are never updated
 }
 
 template <class Scalar>
@@ -53,6 +54,7 @@ BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& point
                                                  const Options& options)
     : problem_(std::make_shared<Problem>(cloud_of(points, targets, options), options)) {
   update(targets, std::move(neighbours));
+  problem_->forget_buffers();  // most of these are never updated
 }
 
 template <class Scalar>

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
+#include "core/pool.hpp"
 #include "recon/local_solve/local_solve.hpp"
 #include "recon/shape/shape_kernel.hpp"
 #include "recon/shape/stencil.hpp"
@@ -22,21 +24,26 @@ class Kernel final : public ShapeKernel<Scalar> {
  public:
   explicit Kernel(const ShapeChoice& choice)
       : choice_(choice),
-        lanes_(RECON_DISPATCH(choice.instruction_set, lane_function<Scalar, D>)(R, choice.solver)),
+        lanes_(RECON_DISPATCH(choice.instruction_set, lane_functions<Scalar, D>)(R, choice.solver)),
         weigh_(choice.weight.template function<Scalar>(choice.instruction_set)) {}
 
   void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                 const ShapeRows<Scalar>& rows) const override {
-    std::vector<LaneReport> reports(end - begin);
-    if (lanes_) lanes_(lane_task(problem, begin, end, rows, reports.data()));
+    const auto buffers =
+        buffers_.lend([&] { return std::make_unique<Buffers>(choice_, make_lanes_); });
+    std::vector<LaneReport>& reports = buffers->reports;
+    reports.assign(end - begin, {});
+    if (buffers->lanes) buffers->lanes->run(lane_task(problem, begin, end, rows, reports.data()));
 
-    Single single(choice_);
     for (std::size_t i = begin; i < end; ++i) {
       const LaneReport& lane = reports[i - begin];
-      const FitReport report = lane.done ? report_of(lane) : single.evaluate(problem, i, rows);
+      const FitReport report =
+          lane.done ? report_of(lane) : buffers->single.evaluate(problem, i, rows);
       if (rows.report) rows.report[i] = report;
     }
   }
+
+  void forget_buffers() const override { buffers_.clear(); }
 
  private:
   // Treats one target after another.
@@ -112,6 +119,17 @@ class Kernel final : public ShapeKernel<Scalar> {
     std::vector<Scalar> values_;
   };
 
+  // What a block of targets is worked on with.
+  struct Buffers {
+    std::vector<LaneReport> reports;
+    std::unique_ptr<void, void (*)(void*)> lanes;  // null where there are none
+    Single single;
+
+    Buffers(const ShapeChoice& choice, const LaneFunctions<Scalar>& functions)
+        : lanes(functions.make ? functions.make(choice.tolerances) : nullptr, functions.destroy),
+          single(choice) {}
+  };
+
   LaneTask<Scalar> lane_task(const ShapeProblem<Scalar>& problem, std::size_t begin,
                              std::size_t end, const ShapeRows<Scalar>& rows,
                              LaneReport* reports) const {
@@ -132,7 +150,6 @@ class Kernel final : public ShapeKernel<Scalar> {
     task.weigh = weigh_;
     task.weight = choice_.weight.state();
     task.form = choice_.form;
-    task.tolerances = choice_.tolerances;
     task.begin = begin;
     task.end = end;
     task.rows = rows;
@@ -152,7 +169,8 @@ class Kernel final : public ShapeKernel<Scalar> {
   }
 
   ShapeChoice choice_;
-  LaneFunction<Scalar> lanes_;
+  LaneFunctions<Scalar> lanes_;
+  mutable Pool<Buffers> buffers_;
   typename WeightFunction::Function<Scalar> weigh_;
 };
 

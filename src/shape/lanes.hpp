@@ -34,21 +34,26 @@ struct LaneTask {
   typename WeightFunction::Function<Scalar> weigh = nullptr;
   const void* weight = nullptr;
   WeightForm form = WeightForm::radial;
-  FitTolerances tolerances{};
   std::size_t begin = 0, end = 0;  // targets
   ShapeRows<Scalar> rows{};        // reports are not written
   LaneReport* reports = nullptr;   // end - begin of them
 };
 
+// A worker takes one task after another with memory that it keeps, for one thread at a time. Plain
+// functions: a class with virtual functions would be shared. All null where there are no lanes.
 template <class Scalar>
-using LaneFunction = void (*)(const LaneTask<Scalar>& task);
+struct LaneFunctions {
+  void* (*make)(const FitTolerances& tolerances) = nullptr;
+  void (*run)(void* worker, const LaneTask<Scalar>& task) = nullptr;
+  void (*destroy)(void* worker) = nullptr;
+};
 
 }  // namespace recon::detail
 
 namespace recon {
 
 // The function for a degree and solver; null for solvers that work on single targets only.
-RECON_FOR_EACH_SET(template <class Scalar, int D> detail::LaneFunction<Scalar> lane_function(
+RECON_FOR_EACH_SET(template <class Scalar, int D> detail::LaneFunctions<Scalar> lane_functions(
     int degree, Solver solver))
 
 }  // namespace recon

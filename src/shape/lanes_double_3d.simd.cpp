@@ -1,4 +1,4 @@
 #include "shape/lanes_kernel.hpp"
 
-template recon::detail::LaneFunction<double> recon::RECON_SET::lane_function<double, 3>(int,
-                                                                                        Solver);
+template recon::detail::LaneFunctions<double> recon::RECON_SET::lane_functions<double, 3>(int,
+                                                                                          Solver);

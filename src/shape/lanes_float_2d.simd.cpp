@@ -1,3 +1,4 @@
 #include "shape/lanes_kernel.hpp"
 
-template recon::detail::LaneFunction<float> recon::RECON_SET::lane_function<float, 2>(int, Solver);
+template recon::detail::LaneFunctions<float> recon::RECON_SET::lane_functions<float, 2>(int,
+                                                                                        Solver);

@@ -20,16 +20,22 @@ class Lanes {
   static constexpr int seconds = D * (D + 1) / 2;
 
  public:
-  static void run(const detail::LaneTask<Scalar>& task) {
-    Lanes work(task);
-    for (std::size_t i = task.begin; i < task.end; i += lanes) work.group(i);
+  static constexpr detail::LaneFunctions<Scalar> functions() {
+    return {[](const FitTolerances& tolerances) -> void* { return new Lanes(tolerances); },
+            [](void* worker, const detail::LaneTask<Scalar>& task) {
+              static_cast<Lanes*>(worker)->run(task);
+            },
+            [](void* worker) { delete static_cast<Lanes*>(worker); }};
   }
 
  private:
-  explicit Lanes(const detail::LaneTask<Scalar>& task)
-      : task_(task),
-        slopes_(task.rows.gradient && task.rows.kind == Derivative::exact),
-        fit_(task.tolerances) {}
+  void run(const detail::LaneTask<Scalar>& task) {
+    task_ = task;
+    slopes_ = task.rows.gradient && task.rows.kind == Derivative::exact;
+    for (std::size_t i = task.begin; i < task.end; i += lanes) group(i);
+  }
+
+  explicit Lanes(const FitTolerances& tolerances) : fit_(tolerances) {}
 
   // A weight function takes arrays of packs as arrays of numbers.
   struct Weights {
@@ -151,8 +157,8 @@ class Lanes {
       }
   }
 
-  const detail::LaneTask<Scalar>& task_;
-  const bool slopes_;
+  detail::LaneTask<Scalar> task_;
+  bool slopes_ = false;
   Stencil<T, D> stencil_;
   Fit<T, Monomials<D, R>> fit_;
   std::vector<T> values_;
@@ -161,30 +167,30 @@ class Lanes {
 };
 
 template <class Scalar, int D, template <class, class> class Fit>
-detail::LaneFunction<Scalar> of_degree(int degree) {
+detail::LaneFunctions<Scalar> of_degree(int degree) {
   switch (degree) {
     case 0:
-      return &Lanes<Scalar, D, Fit, 0>::run;
+      return Lanes<Scalar, D, Fit, 0>::functions();
     case 1:
-      return &Lanes<Scalar, D, Fit, 1>::run;
+      return Lanes<Scalar, D, Fit, 1>::functions();
     case 2:
-      return &Lanes<Scalar, D, Fit, 2>::run;
+      return Lanes<Scalar, D, Fit, 2>::functions();
     case 3:
-      return &Lanes<Scalar, D, Fit, 3>::run;
+      return Lanes<Scalar, D, Fit, 3>::functions();
     case 4:
-      return &Lanes<Scalar, D, Fit, 4>::run;
+      return Lanes<Scalar, D, Fit, 4>::functions();
     default:
-      return nullptr;
+      return {};
   }
 }
 
 }  // namespace
 
 template <class Scalar, int D>
-detail::LaneFunction<Scalar> lane_function(int degree, Solver solver) {
+detail::LaneFunctions<Scalar> lane_functions(int degree, Solver solver) {
   if (solver == Solver::moment_matrix) return of_degree<Scalar, D, MomentMatrix>(degree);
   if (solver == Solver::gram_schmidt) return of_degree<Scalar, D, RegularGramSchmidt>(degree);
-  return nullptr;
+  return {};
 }
 
 }  // namespace recon::RECON_SET

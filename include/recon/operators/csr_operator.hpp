@@ -165,12 +165,13 @@ class CsrOperator {
              std::uint32_t* limited) const;
   // Leaves an operator without rows; for another one in the same memory.
   Array<Scalar> give_up() {
-    pattern_ = std::make_shared<SparsityPattern<Scalar>>();
+    pattern_ = no_pattern();
     return std::move(values_);
   }
 
-  std::shared_ptr<const SparsityPattern<Scalar>> pattern_ =
-      std::make_shared<SparsityPattern<Scalar>>();
+  static const std::shared_ptr<const SparsityPattern<Scalar>>& no_pattern();
+
+  std::shared_ptr<const SparsityPattern<Scalar>> pattern_ = no_pattern();
   Array<Scalar> values_;  // entry-major: [e * blocks + b]
   int blocks_ = 1;
   Scalar fill_ = 0;

@@ -58,6 +58,8 @@ class ShapeKernel {
   // follow each other. Thread-safe; no allocation per target.
   virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                         const ShapeRows<Scalar>& rows) const = 0;
+  // Gives back the memory that is kept from one call to the next.
+  virtual void forget_buffers() const = 0;
 };
 
 // Throws InvalidArgument for a dimension outside 1..3 or a degree outside 0..4.
