@@ -29,11 +29,11 @@ class Kernel final : public ShapeKernel<Scalar> {
 
   void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                 const ShapeRows<Scalar>& rows) const override {
-    const auto buffers =
-        buffers_.lend([&] { return std::make_unique<Buffers>(choice_, make_lanes_); });
+    const auto buffers = buffers_.lend([&] { return std::make_unique<Buffers>(choice_, lanes_); });
     std::vector<LaneReport>& reports = buffers->reports;
     reports.assign(end - begin, {});
-    if (buffers->lanes) buffers->lanes->run(lane_task(problem, begin, end, rows, reports.data()));
+    if (buffers->lanes)
+      lanes_.run(buffers->lanes.get(), lane_task(problem, begin, end, rows, reports.data()));
 
     for (std::size_t i = begin; i < end; ++i) {
       const LaneReport& lane = reports[i - begin];
