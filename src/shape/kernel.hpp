@@ -95,15 +95,15 @@ class Kernel final : public ShapeKernel<Scalar> {
       const int n = static_cast<int>(list.count(t));
       stencil_.start(x, list.support[t], n);
       for (int d = 0; d < D; ++d) {
-        const Scalar* axis = problem.particles.data() + d;
+        const Scalar* particles = problem.particles.data();  // null where there are none
         Scalar* offset = stencil_.offsets(d);
         if (list.shifts == nullptr || !problem.domain.periodic[d]) {
-          for (int p = 0; p < n; ++p) offset[p] = axis[std::size_t{index[p]} * D] - x[d];
+          for (int p = 0; p < n; ++p) offset[p] = particles[std::size_t{index[p]} * D + d] - x[d];
         } else {
           const ImageShift* shift = list.shifts + list.offsets[t];
           const Scalar period = problem.domain.period(d);
           for (int p = 0; p < n; ++p)
-            offset[p] = (axis[std::size_t{index[p]} * D] - x[d]) + shift[p][d] * period;
+            offset[p] = (particles[std::size_t{index[p]} * D + d] - x[d]) + shift[p][d] * period;
         }
       }
       if (problem.particle_weights) {
