@@ -24,6 +24,13 @@ class CountingSort {
   // Every key must be smaller than key_count, which must be smaller than 2^32.
   void sort(std::size_t key_count, int threads);
 
+  // Gives back the memory of the sorting itself: 12 bytes for each number.
+  void forget_scratch() {
+    key_ = {};
+    rough_ = {};
+    next_ = {};
+  }
+
   // The numbers by ascending key, those of equal key ascending.
   std::span<const std::uint32_t> order() const { return order_; }
   // The place in order() of the first number whose key is k or larger, for k from 0 to key_count.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
 
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
@@ -13,7 +12,7 @@ namespace {
 using detail::require;
 
 constexpr std::size_t checked_at_once = 16384;
-constexpr std::uint32_t nowhere = 0xFFFFFFFFu;
+constexpr std::uint32_t most_particles = 0xFFFFFFFFu;
 
 template <class Scalar>
 void check_particle(const ParticleData<Scalar>& data, std::size_t p) {
@@ -50,12 +49,12 @@ void check(const ParticleData<Scalar>& data, std::size_t begin, std::size_t end)
   for (std::size_t p = begin; p < end; ++p) check_particle(data, p);
 }
 
-// Calls visit(particle, bin) for the particles of [begin, end) that some node sees. Axis by axis,
+// The bins of the particles of [begin, end), and `nowhere` for those that no node sees. Axis by axis,
 // because then nothing depends on the particle before.
-template <class Scalar, class Visit>
-void for_each_bin(const PointsView<Scalar>& points, const GridPlan<Scalar>& plan,
-                  const std::array<std::uint32_t, max_dimension>& strides, std::size_t begin,
-                  std::size_t end, const Visit& visit) {
+template <class Scalar>
+void find_bins(const PointsView<Scalar>& points, const GridPlan<Scalar>& plan,
+               const std::array<std::uint32_t, max_dimension>& strides, std::uint32_t nowhere,
+               std::size_t begin, std::size_t end, std::span<std::uint32_t> bins) {
   constexpr std::size_t at_once = 512;
   std::array<std::uint32_t, at_once> bin;
   std::array<bool, at_once> seen;
@@ -74,8 +73,7 @@ void for_each_bin(const PointsView<Scalar>& points, const GridPlan<Scalar>& plan
             static_cast<std::uint32_t>(k) / static_cast<std::uint32_t>(cells_together) * stride;
       }
     }
-    for (std::size_t i = 0; i < count; ++i)
-      if (seen[i]) visit(begin + i, bin[i]);
+    for (std::size_t i = 0; i < count; ++i) bins[begin + i] = seen[i] ? bin[i] : nowhere;
   }
 }
 
@@ -84,7 +82,7 @@ void for_each_bin(const PointsView<Scalar>& points, const GridPlan<Scalar>& plan
 template <class Scalar>
 ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scalar>& plan) {
   const std::size_t n = data.points.size();
-  require(n < nowhere, "points", n, "must be fewer than 2^32 - 1 points");
+  require(n < most_particles, "points", n, "must be fewer than 2^32 - 1 points");
   require(data.points.dimension() == plan.dimension(), "dimension of the points",
           data.points.dimension(), "must be that of the grid");
   for (const auto& field : data.fields)
@@ -103,36 +101,17 @@ ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scal
   rows_ = plan.axes[1].cells;
   bins_per_row_ = (plan.axes[0].cells + cells_per_bin - 1) / cells_per_bin;
   const auto bins = static_cast<std::size_t>(bins_per_row_ * rows_ * plan.axes[2].cells);
-  require(bins < nowhere, "grid", bins, "must have fewer rows of cells (2^32)");
+  require(bins < most_particles, "grid", bins, "must have fewer rows of cells (2^32)");
   const std::array<std::uint32_t, max_dimension> strides{
       1, static_cast<std::uint32_t>(bins_per_row_),
       static_cast<std::uint32_t>(bins_per_row_ * rows_)};
 
-  // A stable counting sort; each part of the particles counts for itself, and then
-  // knows its places.
-  const std::size_t parts =
-      std::clamp<std::size_t>(n / (4 * bins), 1, static_cast<std::size_t>(std::min(threads, 8)));
-  const std::size_t part_size = (n + parts - 1) / parts;
-  std::vector<std::uint32_t> places(parts * bins, 0);
-  begin_.resize(bins + 1);
-  parallel_blocks(n, part_size, threads, [&](std::size_t begin, std::size_t end) {
-    std::uint32_t* count = places.data() + begin / part_size * bins;
-    for_each_bin(data.points, plan, strides, begin, end,
-                 [&](std::size_t, std::uint32_t bin) { ++count[bin]; });
+  const std::span<std::uint32_t> bin_of = sort_.keys(n);
+  parallel_blocks(n, checked_at_once, threads, [&](std::size_t begin, std::size_t end) {
+    find_bins(data.points, plan, strides, static_cast<std::uint32_t>(bins), begin, end, bin_of);
   });
-  std::uint32_t total = 0;
-  for (std::size_t b = 0; b < bins; ++b) {
-    begin_[b] = total;
-    for (std::size_t i = 0; i < parts; ++i) total += std::exchange(places[i * bins + b], total);
-  }
-  begin_[bins] = total;
-  order_.resize(total);
-  parallel_blocks(n, part_size, threads, [&](std::size_t begin, std::size_t end) {
-    std::uint32_t* place = places.data() + begin / part_size * bins;
-    for_each_bin(data.points, plan, strides, begin, end, [&](std::size_t p, std::uint32_t bin) {
-      order_[place[bin]++] = static_cast<std::uint32_t>(p);
-    });
-  });
+  sort_.sort(bins + 1, threads);  // the last bin holds those that are nowhere
+  sort_.forget_scratch();
 }
 
 template ParticleBins::ParticleBins(const ParticleData<float>&, const GridPlan<float>&);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/counting_sort.hpp"
 #include "grid/grid_plan.hpp"
 #include "recon/points/view.hpp"
 
@@ -43,15 +44,15 @@ class ParticleBins {
   std::span<const std::uint32_t> row(std::int64_t begin, std::int64_t end, std::int64_t j,
                                      std::int64_t k) const {
     const std::size_t first = static_cast<std::size_t>((k * rows_ + j) * bins_per_row_);
-    const std::uint32_t from = begin_[first + static_cast<std::size_t>(begin / cells_per_bin)];
-    const std::uint32_t to =
-        begin_[first + static_cast<std::size_t>((end - 1) / cells_per_bin) + 1];
-    return {order_.data() + from, to - from};
+    const std::span<const std::uint32_t> place = sort_.first();
+    const std::uint32_t from = place[first + static_cast<std::size_t>(begin / cells_per_bin)];
+    const std::uint32_t to = place[first + static_cast<std::size_t>((end - 1) / cells_per_bin) + 1];
+    return sort_.order().subspan(from, to - from);
   }
 
  private:
   std::int64_t bins_per_row_, rows_;
-  std::vector<std::uint32_t> begin_, order_;
+  detail::CountingSort sort_;
 };
 
 extern template ParticleBins::ParticleBins(const ParticleData<float>&, const GridPlan<float>&);

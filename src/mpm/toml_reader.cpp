@@ -84,7 +84,37 @@ std::string first_lines(const std::string& text, std::size_t lines) {
   return text.substr(0, at);
 }
 
+// TOML has characters beyond ASCII in comments and texts only. toml++ has undefined behaviour for
+// some of them elsewhere (U+00A1, for example), so they are refused here.
+void require_ascii_outside_texts(const std::string& text, const std::filesystem::path& file) {
+  std::size_t line = 1;
+  std::string_view quotes;  // that end the present text; empty outside
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string_view rest(text.data() + i, text.size() - i);
+    if (text[i] == '\n') {
+      ++line;
+      if (quotes.size() == 1) quotes = {};  // not closed: an error to be named by toml++
+    } else if (!quotes.empty()) {
+      if (quotes[0] == '"' && text[i] == '\\' && i + 1 < text.size() && text[i + 1] != '\n') {
+        ++i;
+      } else if (rest.starts_with(quotes)) {
+        i += quotes.size() - 1;
+        quotes = {};
+      }
+    } else if (text[i] == '#') {
+      i += std::min(rest.find('\n'), rest.size()) - 1;
+    } else if (text[i] == '"' || text[i] == '\'') {
+      quotes = rest.starts_with("\"\"\"") || rest.starts_with("'''") ? rest.substr(0, 3)
+                                                                     : rest.substr(0, 1);
+      i += quotes.size() - 1;
+    } else if (static_cast<unsigned char>(text[i]) >= 0x80) {
+      throw FileError(file, line, "a character beyond ASCII outside of a text and of a comment");
+    }
+  }
+}
+
 toml::table parse(const std::string& text, const std::filesystem::path& file) {
+  require_ascii_outside_texts(text, file);
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {

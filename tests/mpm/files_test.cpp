@@ -178,6 +178,17 @@ TEST_F(MpmFiles, BrokenTomlIsAnError) {
   EXPECT_THAT(message(good + "\n\n[[[a]]b]\n[c]\n"), HasSubstr("p.toml:25: "));
   EXPECT_THAT(message("a = \"\"\"\n\n\"\"\"\n[[ [a"), HasSubstr("p.toml:4: "));
   EXPECT_THAT(message(good, {"cells=1\nyoung=2"}), HasSubstr("is no value"));
+  // Beyond ASCII: in texts and comments only (toml++ has undefined behaviour for U+00A1 elsewhere).
+  const std::string beyond = "beyond ASCII outside of a text";
+  EXPECT_THAT(message("# \u00b5\na = \"\u00b5 \\\" \" \u00a1\n"),
+              AllOf(HasSubstr("p.toml:2: "), HasSubstr(beyond)));
+  EXPECT_THAT(message("a = \'\'\'\n\u00b5 \\\'\'\'\n\u00a1 = 1\n"),
+              AllOf(HasSubstr("p.toml:3: "), HasSubstr(beyond)));
+  EXPECT_THAT(message("a = 1\n[\u00a1]\n"), HasSubstr("p.toml:2: "));
+  EXPECT_THAT(
+      message(
+          "# \u00b5\n\"\u00b5\" = \'\u00b5\' # \u00b5\n[grid]\nx = \"\"\"\u00b5\n\"\u00b5\"\"\"\n"),
+      Not(HasSubstr(beyond)));
   EXPECT_THAT(message(good, {"cells=[[[a]]b]"}), HasSubstr("grid.cells: a number is needed"));
 }
 

@@ -247,5 +247,27 @@ TEST(Sources, NeighboursAndOwnLists) {
                    900, "a rule instead");
 }
 
+TEST(Sources, NodesOfAGridAreTargets) {
+  const auto points = random_points<double, 2>(500, 1);
+  const Sources sources(points_of(points));
+  const StructuredGrid<double> grid{2, {0.1, 0.2}, {0.05, 0.02}, {15, 30}};
+  const auto nodes = grid.nodes();
+  const Options options{.degree = 2};
+  const Reconstruction by_hand = reconstruct(sources, nodes.view(), options);
+  expect_same_bits(reconstruct(sources, grid, options), by_hand, 500, "Sources");
+  expect_same_bits(reconstruct(points_of(points), grid, options), by_hand, 500, "points");
+}
+
+TEST(Sources, AnyIntegerCountsNeighbours) {
+  const auto points = random_points<double, 2>(500, 1);
+  const int k = 9;
+  const Sources sources(points_of(points));
+  EXPECT_EQ(find_neighbours(sources, points_of(points), Nearest{k}).indices,
+            find_neighbours(sources, points_of(points), Nearest{9u}).indices);
+  EXPECT_THAT(
+      message_of([&] { reconstruct(sources, points_of(points), {.neighbours = Nearest{-3}}); }),
+      HasSubstr("k = -3: must be from 1"));
+}
+
 }  // namespace
 }  // namespace recon::testing

@@ -29,9 +29,9 @@
 // precision (naming the node). The unit of m_p does not matter. Sums of any number of particles
 // are good to a few roundings.
 //
-// Cost: linear in the number of particles. Memory beyond the result: 4 bytes for each particle,
-// half a byte for each node, and per thread about a megabyte of moments. The same bits for any
-// number of threads.
+// Cost: linear in the number of particles. Memory beyond the result: 4 bytes for each particle (16
+// while they are sorted), half a byte for each node, and per thread about a megabyte of moments.
+// The same bits for any number of threads.
 #pragma once
 
 #include <Eigen/Core>

@@ -29,6 +29,7 @@
 // order; a particle cloud that is its own targets saves the sorting of targets.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -47,13 +48,22 @@ struct Radius {
 struct Radii {
   std::span<const double> radii;  // one per target, positive; length
 };
+// Of any integer type; a negative number of neighbours is refused when it is used.
 struct Nearest {
-  std::size_t k;        // at least 1
-  double factor = 1.5;  // larger than 1, so that no neighbour lies on the border of the support
+  std::size_t k;  // at least 1
+  double factor;  // larger than 1, so that no neighbour lies on the border of the support
+
+  template <std::integral Count>
+  constexpr Nearest(Count count, double support_factor = 1.5)
+      : k(static_cast<std::size_t>(count)), factor(support_factor) {}
 };
 struct NearestWithin {
   std::size_t k;  // at least 1
   double radius;  // positive; length
+
+  template <std::integral Count>
+  constexpr NearestWithin(Count count, double support_radius)
+      : k(static_cast<std::size_t>(count)), radius(support_radius) {}
 };
 using NeighbourRule = std::variant<Radius, Radii, Nearest, NearestWithin>;
 

@@ -22,6 +22,12 @@ namespace recon {
 
 namespace detail {
 
+// The k of a nearest rule; a negative one has become a large number.
+inline void require_count(std::size_t k) {
+  require(k >= 1, "k", k, "must be at least 1");
+  require(k <= 0xFFFFFFFFu, "k", static_cast<std::int64_t>(k), "must be from 1 to 2^32 - 1");
+}
+
 // Throws InvalidArgument for values outside their range; `targets` is the number of targets.
 template <class Scalar>
 void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
@@ -41,11 +47,11 @@ void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
       if (!positive(radii->radii[t]))
         throw_invalid("radius of target " + std::to_string(t), radii->radii[t], length_rule);
   } else if (const auto* nearest = std::get_if<Nearest>(&rule)) {
-    require(nearest->k >= 1, "k", nearest->k, "must be at least 1");
+    require_count(nearest->k);
     require(nearest->factor > 1 && std::isfinite(nearest->factor), "factor", nearest->factor,
             "must be larger than 1 and finite");
   } else if (const auto* near_within = std::get_if<NearestWithin>(&rule)) {
-    require(near_within->k >= 1, "k", near_within->k, "must be at least 1");
+    require_count(near_within->k);
     require(positive(near_within->radius), "radius", near_within->radius, length_rule);
   }
 }

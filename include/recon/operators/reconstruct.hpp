@@ -37,6 +37,7 @@
 #include "recon/operators/limit.hpp"
 #include "recon/operators/vector_operator.hpp"
 #include "recon/points/make_view.hpp"
+#include "recon/points/structured_grid.hpp"
 #include "recon/shape/options.hpp"
 #include "recon/shape/shape_kernel.hpp"
 
@@ -199,6 +200,24 @@ inline Reconstruction reconstruct(const Sources& sources, const PointsView<doubl
 inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<float>& targets,
                                    NeighbourList<float> neighbours, const Options& options = {}) {
   return {sources, targets, std::move(neighbours), options};
+}
+
+// At the nodes of a grid, node by node as StructuredGrid numbers them.
+inline Reconstruction reconstruct(const Sources& sources, const StructuredGrid<double>& grid,
+                                  const Options& options = {}) {
+  return {sources, grid.nodes().view(), options};
+}
+inline ReconstructionF reconstruct(const SourcesF& sources, const StructuredGrid<float>& grid,
+                                   const Options& options = {}) {
+  return {sources, grid.nodes().view(), options};
+}
+inline Reconstruction reconstruct(const PointsView<double>& points,
+                                  const StructuredGrid<double>& grid, const Options& options = {}) {
+  return {points, grid.nodes().view(), options};
+}
+inline ReconstructionF reconstruct(const PointsView<float>& points,
+                                   const StructuredGrid<float>& grid, const Options& options = {}) {
+  return {points, grid.nodes().view(), options};
 }
 
 }  // namespace recon

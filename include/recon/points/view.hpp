@@ -107,7 +107,8 @@ class BasicFieldView {
     detail::require(components <= most_arrays, "components of the field", components,
                     "must be at most 9 where each has its array");
     separate_ = true;
-    for (int c = 0; c < components; ++c) arrays_[c] = static_cast<Byte*>(arrays[c]);
+    for (int c = 0; c < components; ++c)
+      arrays_[c] = static_cast<Byte*>(static_cast<Address>(arrays[c]));
   }
 
   // A field that is written can be read.

@@ -1,0 +1,138 @@
+// An update of Sources and of what was made of them allocates nothing once it is warm.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "recon/operators/reconstruct.hpp"
+#include "recon/points/generate.hpp"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RECON_COUNTS_ALLOCATIONS 0
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define RECON_COUNTS_ALLOCATIONS 0
+#endif
+#endif
+#ifndef RECON_COUNTS_ALLOCATIONS
+#define RECON_COUNTS_ALLOCATIONS 1
+#endif
+
+#if RECON_COUNTS_ALLOCATIONS
+namespace {
+
+std::atomic<long> allocations{0};
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  size = (size + alignment - 1) / alignment * alignment;
+  void* const memory = std::aligned_alloc(alignment, size == 0 ? alignment : size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return allocate(size, alignof(std::max_align_t));
+}
+void* operator new[](std::size_t size) {
+  return allocate(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace recon::testing {
+namespace {
+
+// The arrays of this many targets stay below the size from which memory comes from the system.
+constexpr std::size_t particles = 3000, targets = 2000;
+
+template <int D>
+void check(const Options& options, const PeriodicDomain<double>& domain, const char* name) {
+  const auto first = random_points<double, D>(particles, 1);
+  const auto second = random_points<double, D>(particles, 2);
+  const auto at = random_points<double, D>(targets, 3);
+  std::vector<double> u(particles, 1.0), v(targets);
+  Sources sources(points_of(first), {.domain = domain, .threads = options.threads});
+  Reconstruction fit = reconstruct(sources, points_of(at), options);
+  const auto step = [&](const PointList<double, D>& moved) {
+    sources.update(points_of(moved));
+    fit.update(points_of(at));
+    fit.apply(field_of(u), field_of(v));
+  };
+  for (int i = 0; i < 4; ++i) {
+    step(second);
+    step(first);
+  }
+  const long before = allocations;
+  step(second);
+  step(first);
+  EXPECT_EQ(allocations - before, 0) << name << " in " << D << "-D";
+  EXPECT_NEAR(v[7], 1, 1e-12);
+}
+
+template <int D>
+void check_rules(int threads) {
+  const double h = std::pow(particles, -1.0 / D);
+  const PeriodicDomain<double> box{{0, 0, 0}, {1, 1, 1}, {true, true, D == 3}};
+  check<D>({.threads = threads}, {}, "nearest");
+  check<D>({.degree = 2, .solver = Solver::moment_matrix, .threads = threads}, {}, "degree 2");
+  check<D>({.neighbours = Radius{2.2 * h}, .threads = threads}, {}, "radius");
+  check<D>({.degree = 0,
+            .form = WeightForm::tensor_product,
+            .neighbours = Radius{2 * h},
+            .threads = threads},
+           {}, "cube");
+  if (D > 1) check<D>({.threads = threads}, box, "periodic");
+}
+
+TEST(Allocations, AnUpdateNeedsNoneOnceWarm) {
+  check_rules<2>(1);
+  check_rules<3>(1);
+}
+
+TEST(Allocations, ApplyIntoAnArrayOfOnesOwnNeedsNone) {
+  const auto points = random_points<double, 3>(particles, 1);
+  const auto fit = reconstruct(points_of(points), points_of(points));
+  std::vector<double> x(particles, 1), y(particles, 2), z(particles, 3), a(particles), b(particles),
+      c(particles);
+  const long before = allocations;
+  fit.apply(field_of(x, y, z), field_of(a, b, c), trusted);
+  fit.apply(field_of(x, y, z), field_of(a, b, c));
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_NEAR(b[17], 2, 1e-12);
+}
+
+}  // namespace
+}  // namespace recon::testing
+#endif
