@@ -37,6 +37,7 @@ Section run_peak(Lab& lab);  // first: it sets Lab::limits
 Section run_cloud(Lab& lab);
 Section run_search(Lab& lab);
 Section run_apply(Lab& lab);
+Section run_sources(Lab& lab);
 Section run_grid(Lab& lab);
 Section run_instruction_sets(Lab& lab);
 Section run_scaling(Lab& lab);

@@ -29,11 +29,9 @@ struct Part {
   const char* name;
   Section (*run)(Lab&);
 };
-constexpr Part parts[] = {{"cloud", run_cloud},
-                          {"search", run_search},
-                          {"apply", run_apply},
-                          {"grid", run_grid},
-                          {"instruction_sets", run_instruction_sets},
+constexpr Part parts[] = {{"cloud", run_cloud},     {"search", run_search},
+                          {"apply", run_apply},     {"sources", run_sources},
+                          {"grid", run_grid},       {"instruction_sets", run_instruction_sets},
                           {"scaling", run_scaling},
 #ifdef RECON_BENCH_HAS_MPM
                           {"mpm", run_mpm},
