@@ -12,8 +12,9 @@ import sys
 README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 
 TESTS = {
-    "NaN or infinity in a coordinate or a field":
-        ["operators.Reconstruct.BadInputIsNamed", "grid.GridInput.BadInputIsNamed",
+    "NaN or infinity in a coordinate, or in a field where a target needs it":
+        ["operators.Fields.NumbersThatAreNotFiniteAreNamed", "operators.Fields.NumbersThatNoTargetNeedsDoNotMatter",
+         "operators.Reconstruct.BadInputIsNamed", "grid.GridInput.BadInputIsNamed",
          "fields.ParticleTable.NanIsNeverHandedOut", "io.Lammps.NanIsReportedWhenUsed"],
     "sizes that disagree, a negative radius, an unknown name":
         ["operators.Reconstruct.BadInputIsNamed", "neighbourhood.NeighbourRules.WrongValuesAreNamed",
