@@ -156,8 +156,8 @@ Section run_sources(Lab& lab) {
       "against a plain loop over the same entries in an order of space.",
       {},
       {}};
-  Table index("sources", {"cloud", "one call ms", "20 calls ms", "20 calls / one", "of points / one",
-                          "update ms", "update / one"});
+  Table index("sources", {"cloud", "one call ms", "20 calls ms", "20 calls / one",
+                          "of points / one", "update ms", "update / one"});
   Table products("products", {"cloud", "plain ns", "trusted ns", "trusted / plain", "checked ns",
                               "checked / plain"});
   for (const CloudSetting& setting : cloud_settings) {

@@ -238,8 +238,9 @@ TEST(Sources, NeighboursAndOwnLists) {
       PointCloud<double>(points_of(points)), PointCloud<double>(points_of(targets)), Nearest{9});
   EXPECT_EQ(list.indices, reference.indices);
   EXPECT_EQ(list.support, reference.support);
-  Reconstruction fit = reconstruct(sources, points_of(targets), list);
-  expect_same_bits(fit, reconstruct(points_of(points), points_of(targets), list), 900, "own list");
+  Reconstruction fit = reconstruct(sources, points_of(targets), list, {});
+  expect_same_bits(fit, reconstruct(points_of(points), points_of(targets), list, {}), 900,
+                   "own list");
   EXPECT_THAT(message_of([&] { fit.update(points_of(targets)); }), HasSubstr("neighbours"));
   fit.update(points_of(targets), Nearest{12});
   expect_same_bits(fit,

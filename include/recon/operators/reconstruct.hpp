@@ -176,12 +176,12 @@ inline ReconstructionF reconstruct(const PointsView<float>& points,
 }
 inline Reconstruction reconstruct(const PointsView<double>& points,
                                   const PointsView<double>& targets,
-                                  NeighbourList<double> neighbours, const Options& options = {}) {
+                                  NeighbourList<double> neighbours, const Options& options) {
   return {points, targets, std::move(neighbours), options};
 }
 inline ReconstructionF reconstruct(const PointsView<float>& points,
                                    const PointsView<float>& targets,
-                                   NeighbourList<float> neighbours, const Options& options = {}) {
+                                   NeighbourList<float> neighbours, const Options& options) {
   return {points, targets, std::move(neighbours), options};
 }
 
@@ -194,11 +194,11 @@ inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<flo
   return {sources, targets, options};
 }
 inline Reconstruction reconstruct(const Sources& sources, const PointsView<double>& targets,
-                                  NeighbourList<double> neighbours, const Options& options = {}) {
+                                  NeighbourList<double> neighbours, const Options& options) {
   return {sources, targets, std::move(neighbours), options};
 }
 inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<float>& targets,
-                                   NeighbourList<float> neighbours, const Options& options = {}) {
+                                   NeighbourList<float> neighbours, const Options& options) {
   return {sources, targets, std::move(neighbours), options};
 }
 
