@@ -45,12 +45,13 @@ class CellGather {
   using Coding = NeighbourKey<periodic>;
   using Key = typename Coding::Key;
 
-  CellGather(const SharedByTargets<S, D>& shared, CellBuffers<S>& buffers)
+  CellGather(const SharedByTargets<S, D>& shared, CellBuffers<S, D>& buffers)
       : shared_(shared),
-        images_(shared.domain, shared.particles.box()),
+        images_(buffers.images),
         distance2_(buffers.distance2),
         index_(buffers.index),
         shift_(buffers.shift) {
+    images_.begin(shared.domain, shared.particles.box());
     // For the k nearest, particles found beyond k must be sorted out: they cost extra. For a
     // radius, what is found is the result, and does not count as wasted work.
     out_.work_per_found = shared.question.nearest ? 12 : -16;
@@ -137,7 +138,7 @@ class CellGather {
   static constexpr std::size_t beyond = 64;  // what the kernels may touch behind the last
 
   const SharedByTargets<S, D>& shared_;
-  PeriodicImages<S, D> images_;
+  PeriodicImages<S, D>& images_;
   Point x_{};
   Gathered<S> out_{nullptr, nullptr};
   std::vector<S>& distance2_;

@@ -18,7 +18,7 @@ class KeyOrder {
   using Gather = CellGather<S, D, periodic>;
   using Key = typename Gather::Key;
 
-  KeyOrder(const SearchKernels<S, D>& kernels, CellBuffers<S>& buffers)
+  KeyOrder(const SearchKernels<S, D>& kernels, CellBuffers<S, D>& buffers)
       : kernels_(kernels),
         rank_distance_(buffers.rank_distance),
         rank_index_(buffers.rank_index),

@@ -16,13 +16,15 @@
 #include "recon/neighbourhood/brute_force.hpp"
 #include "recon/neighbourhood/cell_grid.hpp"
 #include "recon/neighbourhood/kd_tree.hpp"
+#include "recon/neighbourhood/periodic_images.hpp"
 #include "recon/neighbourhood/r_tree.hpp"
 
 namespace recon::detail {
 
 // The memory of a CellGather (cell_gather.hpp) and a KeyOrder (key_order.hpp).
-template <class S>
+template <class S, int D>
 struct CellBuffers {
+  PeriodicImages<S, D> images;
   std::vector<S> distance2, rank_distance;
   std::vector<std::uint32_t> index, shift, rank_index;  // shift: as codes
   std::vector<std::pair<S, std::uint32_t>> pairs;
@@ -94,7 +96,7 @@ class SearchIndex {
 
   // Memory of searches by cells, kept from one to the next: that of a block of targets, and the
   // keys found by all blocks (32 bits, and 64 in periodic domains).
-  Pool<CellBuffers<S>>& buffers() { return buffers_; }
+  Pool<CellBuffers<S, D>>& buffers() { return buffers_; }
   template <class Key>
   Pool<std::vector<std::vector<Key>>>& blocks() {
     if constexpr (sizeof(Key) == 8)
@@ -130,7 +132,7 @@ class SearchIndex {
   }
 
   const PointCloud<S>& cloud_;
-  Pool<CellBuffers<S>> buffers_;
+  Pool<CellBuffers<S, D>> buffers_;
   Pool<std::vector<std::vector<std::uint32_t>>> blocks_;
   Pool<std::vector<std::vector<std::uint64_t>>> periodic_blocks_;
   std::mutex mutex_;

@@ -162,8 +162,8 @@ class GramSchmidt {
         order[c] = c;
         size[c] = T(sqrt(dot(block_column(c, n), block_column(c, n), n)));
       }
-      std::stable_sort(order.begin(), order.begin() + columns,
-                       [&](int a, int b) { return size[a] > size[b]; });
+      std::sort(order.begin(), order.begin() + columns,
+                [&](int a, int b) { return size[a] > size[b] || (size[a] == size[b] && a < b); });
       T shortest = size[order[0]];
       for (int i = 0; i < columns && kept().rank() < n;) {
         // Directions of comparable size are kept or dropped together, since it is arbitrary which

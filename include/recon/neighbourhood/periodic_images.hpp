@@ -31,9 +31,16 @@ class PeriodicImages {
     Scalar distance2;  // of x to the box, squared
   };
 
-  // The box must lie in the domain, and so must the points given to start().
-  PeriodicImages(const PeriodicDomain<Scalar>& domain, const Box<Scalar>& box)
-      : domain_(domain), box_(box) {}
+  PeriodicImages() = default;
+  PeriodicImages(const PeriodicDomain<Scalar>& domain, const Box<Scalar>& box) {
+    begin(domain, box);
+  }
+  // For points of another domain, with the memory that there is. The box must lie in the domain, and
+  // so must the points given to start().
+  void begin(const PeriodicDomain<Scalar>& domain, const Box<Scalar>& box) {
+    domain_ = domain;
+    box_ = box;
+  }
 
   void start(const Point& x) {
     x_ = x;
