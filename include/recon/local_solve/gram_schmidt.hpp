@@ -35,6 +35,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
@@ -162,8 +163,9 @@ class GramSchmidt {
         order[c] = c;
         size[c] = T(sqrt(dot(block_column(c, n), block_column(c, n), n)));
       }
-      std::sort(order.begin(), order.begin() + columns,
-                [&](int a, int b) { return size[a] > size[b] || (size[a] == size[b] && a < b); });
+      for (int c = 1; c < columns; ++c)  // a few; std::stable_sort would allocate
+        for (int i = c; i > 0 && size[order[i]] > size[order[i - 1]]; --i)
+          std::swap(order[i], order[i - 1]);
       T shortest = size[order[0]];
       for (int i = 0; i < columns && kept().rank() < n;) {
         // Directions of comparable size are kept or dropped together, since it is arbitrary which
