@@ -101,9 +101,10 @@ TEST(TemplateInterface, EqualsTheRunTimeInterface) {
   const PointCloud<double> cloud(points_of(points));
   const KdTree<double, 2> search(cloud);
   for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt}) {
-    const auto fit = reconstruct(
-        points_of(points), points_of(targets),
-        {.degree = 2, .weight = Parabola{}, .neighbours = Radius{0.2}, .solver = solver});
+    // In the order of the search.
+    const auto list = find_neighbours(cloud, PointCloud<double>(points_of(targets)), Radius{0.2});
+    const auto fit = reconstruct(points_of(points), points_of(targets), list,
+                                 {.degree = 2, .weight = Parabola{}, .solver = solver});
     const auto gradient = fit.gradient();
     ShapeEvaluator<Monomials<2, 2>, Parabola> shapes(Parabola{}, solver);
     for (std::size_t t = 0; t < targets.size(); ++t) {
