@@ -10,6 +10,7 @@
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/core/sums.hpp"
+#include "recon/core/unroll.hpp"
 #include "recon/points/make_view.hpp"
 
 namespace recon {
@@ -70,6 +71,13 @@ struct SideBySide {
   const Scalar* at(ParticleIndex particle) const { return data + particle * stride; }
 };
 
+// Of C components side by side and nothing between the points.
+template <class Scalar, int C>
+struct Packed {
+  const Scalar* data;
+  const Scalar* at(ParticleIndex particle) const { return data + std::size_t{particle} * C; }
+};
+
 // Of any field: structs of arrays, for example.
 template <class Scalar>
 struct AnyLayout {
@@ -86,13 +94,14 @@ struct AnyLayout {
 };
 
 // sums[c * B + b] = sum over these entries of a row of value(e, b) u(index(e), c), c < C.
-template <int B, int C, class Scalar, class Field>
-void block_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
-                std::int64_t end, const Field& field, Scalar* sums) {
-  // Several partial sums: one alone would wait for each addition before the next can begin.
-  constexpr int parts = B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1;
+//
+// Of a long row several partial sums are formed: one alone would wait for each addition before the
+// next can begin. Short rows wait for nothing, because the next row can begin.
+template <int B, int C, int parts, class Scalar, class Field>
+RECON_INLINE void plain_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+                             std::int64_t end, const Field& field, Scalar* sums) {
   Scalar total[parts][B * C] = {};
-  const auto add = [&](std::int64_t e, Scalar* to) {
+  const auto add = [&](std::int64_t e, Scalar* to) RECON_INLINE_LAMBDA {
     const auto u = field.at(indices[e]);
     for (int c = 0; c < C; ++c)
       for (int b = 0; b < B; ++b) to[c * B + b] += values[e * B + b] * u[c];
@@ -100,21 +109,33 @@ void block_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t
   std::int64_t e = begin;
   for (; e + parts <= end; e += parts)
     for (int i = 0; i < parts; ++i) add(e + i, total[i]);
-  for (; e < end; ++e) add(e, total[0]);
+  if constexpr (parts > 1)
+    for (; e < end; ++e) add(e, total[0]);
   for (int i = 1; i < parts; ++i)
     for (int j = 0; j < B * C; ++j) total[0][j] += total[i][j];
-  std::copy(total[0], total[0] + B * C, sums);
+  for (int j = 0; j < B * C; ++j) sums[j] = total[0][j];
 }
 
 template <int B, int C, class Scalar, class Field>
-void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
-              std::int64_t end, const Field& field, Scalar* sums) {
+void long_row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+                   std::int64_t end, const Field& field, Scalar* sums) {
+  constexpr int parts = B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1;
   if (end - begin <= detail::sum_block) [[likely]]
-    return block_sums<B, C>(values, indices, begin, end, field, sums);
+    return plain_sums<B, C, parts>(values, indices, begin, end, field, sums);
   detail::add_many_blocks<B * C>(
       end - begin, sums, [&](std::int64_t from, std::int64_t to, Scalar* part) {
-        block_sums<B, C>(values, indices, begin + from, begin + to, field, part);
+        plain_sums<B, C, parts>(values, indices, begin + from, begin + to, field, part);
       });
+}
+
+template <int B, int C, class Scalar, class Field>
+RECON_INLINE void row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
+                           std::int64_t end, const Field& field, Scalar* sums) {
+  constexpr std::int64_t short_row = 32;
+  if (end - begin <= short_row)
+    plain_sums<B, C, 1>(values, indices, begin, end, field, sums);
+  else
+    long_row_sums<B, C>(values, indices, begin, end, field, sums);
 }
 
 // One test for all: x - x is 0 for numbers and NaN for others.
@@ -246,10 +267,51 @@ class Product {
   template <int B, int C>
   void narrow_rows(std::size_t begin, std::size_t end) const {
     const SideBySide<Scalar> field(field_, 0);
+    if (field.stride == C)
+      narrow_rows<B, C>(begin, end, Packed<Scalar, C>{field.data});
+    else
+      narrow_rows<B, C>(begin, end, field);
+  }
+
+  template <int B, int C, class Field>
+  void narrow_rows(std::size_t begin, std::size_t end, const Field& field) const {
+    if (limit_ != Limit::none || out_.separate())
+      return few_components<B, C>(begin, end, field,
+                                  [&](std::size_t row, Scalar* sums) { finish(row, sums, B * C); });
+    // The plain case: as little as possible beside the sums.
+    std::byte* const out = static_cast<std::byte*>(out_.first(0));
+    const std::ptrdiff_t next_target = out_.point_stride(), next = out_.component_stride();
+    const std::uint32_t* const target_of =
+        pattern_.target_of.empty() ? nullptr : pattern_.target_of.data();
+    Scalar zero = 0;  // and NaN where any sum is not finite
+    few_components<B, C>(begin, end, field, [&](std::size_t row, Scalar* sums) RECON_INLINE_LAMBDA {
+      const std::size_t t = target_of ? target_of[row] : row;
+      std::byte* const to = out + static_cast<std::ptrdiff_t>(t) * next_target;
+      for (int i = 0; i < B * C; ++i) {
+        *reinterpret_cast<Scalar*>(to + i * next) = sums[i];
+        zero += sums[i] - sums[i];
+      }
+    });
+    if (zero == 0 || trusted_) return;
+    few_components<B, C>(begin, end, field,
+                         [&](std::size_t row, Scalar* sums) { finish(row, sums, B * C); });
+  }
+
+  template <int B, int C, class Field, class Finish>
+  void few_components(std::size_t begin, std::size_t end, const Field& field,
+                      const Finish& finish_row) const {
+    // Copies: what is written might be what is read, as far as the compiler knows.
+    const Scalar* const values = values_;
+    const ParticleIndex* const index = index_;
+    const std::int64_t* const offsets = offsets_;
+    const Field from = field;
+    std::int64_t first = offsets[begin];
     for (std::size_t row = begin; row < end; ++row) {
+      const std::int64_t last = offsets[row + 1];
       Scalar sums[B * C];
-      row_sums<B, C>(values_, index_, offsets_[row], offsets_[row + 1], field, sums);
-      finish(row, sums, B * C);
+      row_sums<B, C>(values, index, first, last, from, sums);
+      finish_row(row, sums);
+      first = last;
     }
   }
 
