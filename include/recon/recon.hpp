@@ -18,8 +18,9 @@
 //                                                 lists
 //
 // Included separately: grid/grid_moments.hpp, points/boost_geometry.hpp, operators/sparse.hpp,
-// operators/kernel_sum.hpp, the searches (neighbourhood/kd_tree.hpp, ...), and the templates for a
-// weight, basis, search or scalar of your own (shape/shape_function.hpp).
+// operators/kernel_sum.hpp, the searches (neighbourhood/kd_tree.hpp, ...), the templates for a
+// weight, basis, search or scalar of your own (shape/shape_function.hpp), and what particle-in-cell
+// codes need (transfer/scatter.hpp, transfer/modes.hpp).
 #pragma once
 
 #include "recon/grid/reconstruct_on_grid.hpp"

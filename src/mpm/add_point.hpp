@@ -44,9 +44,9 @@ class CellPoints {
 // Adds the contributions of a point with this volume and these values (columns of QuadratureData):
 // rho N_i to the mass, rho b N_i - sigma grad N_i to the force, and rho v N_i to the momentum, if
 // there is one; each times the volume.
-template <int D>
-void add_point(const ShapeFunctions<D>& shape, double volume, const double* values, bool body_force,
-               bool momentum, Nodes<D>& nodes) {
+template <int D, class Count>
+void add_point(const NodeFunctions<D, Count>& shape, double volume, const double* values,
+               bool body_force, bool momentum, Nodes<D>& nodes) {
   const double mass = volume * *values++;
   Matrix<D> stress;
   for (int r = 0; r < D; ++r)

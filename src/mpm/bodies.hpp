@@ -4,8 +4,8 @@
 #include <functional>
 #include <optional>
 
-#include "recon/mpm/grid.hpp"
 #include "recon/mpm/particles.hpp"
+#include "recon/mpm/types.hpp"
 
 namespace recon::mpm {
 

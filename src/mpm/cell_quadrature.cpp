@@ -9,11 +9,9 @@ namespace {
 
 template <int D>
 std::vector<double> particle_volumes(const Problem<D>& problem) {
-  std::size_t cells = 1;
-  for (int d = 0; d < D; ++d) cells *= static_cast<std::size_t>(problem.grid.cells(d));
-  std::vector<double> volume(cells);
+  std::vector<double> volume(problem.grid.cell_count());
   for (std::size_t p = 0; p < problem.particles.size(); ++p)
-    volume[cell_of(problem.grid, problem.particles.x[p])] += problem.particles.volume(p);
+    volume[problem.grid.cell_number(problem.particles.x[p])] += problem.particles.volume(p);
   return volume;
 }
 
@@ -126,13 +124,13 @@ void integrate_cells(const Problem<D>& problem, const std::vector<Vector<D>>& b,
   cells.fill = fill_of(problem);
 
   const CellPoints<D> points(grid, at_nodes ? 2 : 1);
-  const PointDomain linear;
-  ShapeFunctions<D> shape;
+  const LinearFunctions linear;
+  LinearFunctions::Nodes<D> shape;
   std::vector<double> values(static_cast<std::size_t>(data.columns()));
   for (std::size_t c = 0; c < cells.fill.size(); ++c) {
     if (!(cells.fill[c] > 0)) continue;
     for (std::size_t g = 0; g < points.per_cell(); ++g) {
-      detail::tensor_product<D>(grid, linear.axes(grid, points.at(c, g)), shape);
+      linear.at(grid, points.at(c, g), shape);
       for (int k = 0; k < data.columns(); ++k) {
         double& value = values[static_cast<std::size_t>(k)];
         if (!at_nodes) {

@@ -29,16 +29,6 @@ class QuadratureData {
   std::vector<double> data_;
 };
 
-// The number of the cell that holds x; the first axis runs fastest, as in the grid of
-// the cell centres.
-template <int D>
-std::size_t cell_of(const Grid<D>& grid, const Vector<D>& x) {
-  std::size_t n = 0;
-  for (int d = D - 1; d >= 0; --d)
-    n = n * static_cast<std::size_t>(grid.cells(d)) + static_cast<std::size_t>(grid.cell(x[d], d));
-  return n;
-}
-
 // 1 for cells that hold particles, as do all their neighbours, else 0.
 template <int D>
 std::vector<double> full_cells(const Problem<D>& problem);

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "mpm/polynomial_modes.hpp"
+#include "mpm/modes.hpp"
 #include "recon/local_solve/report.hpp"
 
 namespace recon::mpm {

@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 
+#include "core/counting_sort.hpp"
 #include "mpm/add_point.hpp"
 
 namespace recon::mpm {
@@ -36,18 +37,10 @@ class TaylorFits {
              bool body_force)
       : problem_(problem), data_(data), points_(points) {
     const Particles<D>& particles = problem.particles;
-    std::size_t cells = 1;
-    for (int d = 0; d < D; ++d) cells *= static_cast<std::size_t>(problem.grid.cells(d));
-    begin_.resize(cells + 1);
-    order_.resize(particles.size());
-    std::vector<std::size_t> cell(particles.size());
-    for (std::size_t p = 0; p < particles.size(); ++p) {
-      cell[p] = cell_of(problem.grid, particles.x[p]);
-      ++begin_[cell[p] + 1];
-    }
-    for (std::size_t c = 0; c < cells; ++c) begin_[c + 1] += begin_[c];
-    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t p = 0; p < particles.size(); ++p) order_[next[cell[p]]++] = p;
+    const std::span<std::uint32_t> cell = by_cell_.keys(particles.size());
+    for (std::size_t p = 0; p < particles.size(); ++p)
+      cell[p] = static_cast<std::uint32_t>(problem.grid.cell_number(particles.x[p]));
+    by_cell_.sort(problem.grid.cell_count(), problem.threads);
     first_momentum_ = 1 + D * (D + 1) / 2 + (body_force ? D : 0);
   }
 
@@ -72,7 +65,9 @@ class TaylorFits {
 
   void solve(std::size_t c) {
     cell_ = c;
-    const auto count = static_cast<int>(begin_[c + 1] - begin_[c]);
+    const auto numbers = by_cell_.order().subspan(by_cell_.first()[c],
+                                                  by_cell_.first()[c + 1] - by_cell_.first()[c]);
+    const auto count = static_cast<int>(numbers.size());
     const int terms = count > quadratic ? quadratic : count > linear ? linear : 1;
     coefficients_.setZero(terms, data_.columns());
     centre_.setZero();
@@ -83,7 +78,7 @@ class TaylorFits {
     const double volume = std::pow(problem_.grid.h(), D);
     Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(data_.columns());
     for (int k = 0; k < count; ++k) {
-      const std::size_t p = order_[begin_[c] + static_cast<std::size_t>(k)];
+      const std::size_t p = numbers[k];
       A.row(k) = psi(problem_.particles.x[p]);
       u.row(k) = Eigen::Map<const Eigen::RowVectorXd>(data_.row(p), data_.columns());
       mean += problem_.particles.volume(p) / volume * u.row(k);
@@ -107,7 +102,7 @@ class TaylorFits {
   const Problem<D>& problem_;
   const QuadratureData<D>& data_;
   const CellPoints<D>& points_;
-  std::vector<std::size_t> begin_, order_;
+  recon::detail::CountingSort by_cell_;
   int first_momentum_;
   std::size_t cell_ = static_cast<std::size_t>(-1);
   Vector<D> centre_;
@@ -124,12 +119,12 @@ void integrate_gauss(const Problem<D>& problem, const std::vector<Vector<D>>& b,
   const CellPoints<D> points(grid, 2);
   const auto integrate = [&](auto&& values) {
     with_shape(problem.method, [&](auto shape_of) {
-      if constexpr (requires { shape_of.axes(grid, Vector<D>()); }) {
-        ShapeFunctions<D> shape;
+      if constexpr (is_product<D, decltype(shape_of)>) {
+        typename decltype(shape_of)::template Nodes<D> shape;
         for (std::size_t c = 0; c < full.size(); ++c) {
           if (!(full[c] > 0)) continue;
           for (std::size_t g = 0; g < points.per_cell(); ++g) {
-            detail::tensor_product<D>(grid, shape_of.axes(grid, points.at(c, g)), shape);
+            shape_of.functions.at(grid, points.at(c, g), shape);
             const Eigen::RowVectorXd row = values(c, g);
             add_point(shape, points.volume(), row.data(), !b.empty(), true, nodes);
             if (entries) add_mass(shape, points.volume() * row[0], *entries);

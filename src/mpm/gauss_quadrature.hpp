@@ -24,7 +24,7 @@ void integrate_gauss(const Problem<D>& problem, const std::vector<Vector<D>>& b,
 
 template <int D>
 bool in_full_cell(const Problem<D>& problem, const std::vector<double>& full, std::size_t p) {
-  return full[cell_of(problem.grid, problem.particles.x[p])] > 0;
+  return full[problem.grid.cell_number(problem.particles.x[p])] > 0;
 }
 
 extern template void integrate_gauss(const Problem<1>&, const std::vector<Vector<1>>&,

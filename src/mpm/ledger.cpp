@@ -3,7 +3,7 @@
 #include <charconv>
 
 #include "mpm/angular.hpp"
-#include "mpm/polynomial_modes.hpp"
+#include "mpm/modes.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon::mpm {
@@ -50,7 +50,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
         particles.size(), particles_per_block, problem.threads,
         [&](std::size_t begin, std::size_t end) {
           Ledger& sum = blocks[begin / particles_per_block];
-          ShapeFunctions<D> shape;
+          typename decltype(shape_of)::template Nodes<D> shape;
           [[maybe_unused]] PolynomialModes<D> of;
           for (std::size_t p = begin; p < end; ++p) {
             shape_of.shape(problem.grid, particles, p, shape);
@@ -62,10 +62,10 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
             add_angular<D>(sum.angular, particles.x[p], momentum);
             if constexpr (is_product<D, decltype(shape_of)>) {
               if (modes > 0) {
-                of.fill(problem.grid, shape_of.axes(problem.grid, particles.x[p]), particles.x[p],
-                        map);
+                of.fill(problem.grid, shape_of.functions.axes(problem.grid, particles.x[p]),
+                        particles.x[p], mode_set(map));
                 for (int d = 0; d < D; ++d) {
-                  const int r = linear_mode(map, d);
+                  const int r = linear_mode(mode_set(map), d);
                   add_angular<D>(sum.angular, Vector<D>::Unit(d),
                                  m * of.norm(r) * particles.modes[p * modes + r]);
                 }

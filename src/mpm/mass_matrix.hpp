@@ -12,8 +12,8 @@ namespace recon::mpm {
 using MassEntries = std::vector<Eigen::Triplet<double>>;
 
 // Adds mass * S_i S_j for all pairs of nodes.
-template <int D>
-void add_mass(const ShapeFunctions<D>& shape, double mass, MassEntries& entries) {
+template <int D, class Count>
+void add_mass(const NodeFunctions<D, Count>& shape, double mass, MassEntries& entries) {
   for (std::size_t a = 0; a < shape.size(); ++a)
     for (std::size_t b = 0; b < shape.size(); ++b)
       entries.emplace_back(static_cast<int>(shape.node[a]), static_cast<int>(shape.node[b]),

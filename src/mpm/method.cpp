@@ -163,9 +163,6 @@ std::string_view name_of(Update update) {
 std::string_view name_of(MassMatrix mass) {
   return name_in({"lumped", "consistent"}, mass);
 }
-std::string_view name_of(SplineBorder border) {
-  return name_in({"corrected", "extra_column", "linear_cells"}, border);
-}
 std::string_view name_of(StressUpdate stress) {
   return name_in({"last", "first"}, stress);
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/polynomial_modes.hpp"
+#include "mpm/modes.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon::mpm {

@@ -7,10 +7,10 @@
 #include "mpm/cell_quadrature.hpp"
 #include "mpm/gauss_quadrature.hpp"
 #include "mpm/mass_matrix.hpp"
-#include "mpm/polynomial_modes.hpp"
-#include "mpm/scatter.hpp"
+#include "mpm/modes.hpp"
 #include "mpm/velocity_fit.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/transfer/scatter.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -32,22 +32,12 @@ std::string brief(double value, int digits = 4) {
   return text;
 }
 
-template <int D>
+template <int D, class Shape>
 struct Scratch {
-  ShapeFunctions<D> shape;
+  typename Shape::template Nodes<D> shape;
   PolynomialModes<D> modes;
   std::vector<Vector<D>> velocity;  // that the particle shows to each of its nodes
 };
-
-// sum_r c_r s_r at all nodes is added to `velocity`.
-template <int D>
-void add_modes(const PolynomialModes<D>& modes, const Vector<D>* coefficients,
-               std::vector<Vector<D>>& velocity) {
-  for (int r = 0; r < modes.count(); ++r)
-    if (modes.norm(r) > 0)
-      for (std::size_t n = 0; n < velocity.size(); ++n)
-        velocity[n] += modes.value(r, n) * coefficients[r];
-}
 
 }  // namespace
 
@@ -87,9 +77,10 @@ void Simulation<D>::start_modes(Shape shape_of) {
     particles.modes.assign(particles.size() * static_cast<std::size_t>(count), Vector<D>::Zero());
     PolynomialModes<D> modes;
     for (std::size_t p = 0; p < particles.size(); ++p) {
-      modes.fill(problem_.grid, shape_of.axes(problem_.grid, particles.x[p]), particles.x[p], map);
+      modes.fill(problem_.grid, shape_of.functions.axes(problem_.grid, particles.x[p]),
+                 particles.x[p], mode_set(map));
       for (int d = 0; d < D; ++d) {
-        const int r = linear_mode(map, d);
+        const int r = linear_mode(mode_set(map), d);
         particles.modes[p * static_cast<std::size_t>(count) + static_cast<std::size_t>(r)] =
             particles.L[p].col(d);
       }
@@ -232,7 +223,7 @@ template <int D>
 void Simulation<D>::solve_consistent(std::vector<Eigen::Triplet<double>> entries, double lightest) {
   const Particles<D>& particles = problem_.particles;
   with_shape(problem_.method, [&](auto shape_of) {
-    ShapeFunctions<D> shape;
+    typename decltype(shape_of)::template Nodes<D> shape;
     for (std::size_t p = 0; p < particles.size(); ++p) {
       if (is_gauss(problem_.method.quadrature) && in_full_cell(problem_, cells_.fill, p)) continue;
       shape_of.shape(problem_.grid, particles, p, shape);
@@ -255,9 +246,9 @@ void Simulation<D>::scatter(Shape shape_of) {
   const auto modes = static_cast<std::size_t>(mode_count(method.velocity, D));
   const auto rows = [&](std::size_t p) { return shape_of.nodes_along(grid, particles, p, D - 1); };
   // Flattened, here and in gather(): with so many shapes the compiler runs out of what it inlines.
-  const auto add = [&](std::size_t p, Scratch<D>& scratch) RECON_FLATTEN {
+  const auto add = [&](std::size_t p, Scratch<D, Shape>& scratch) RECON_FLATTEN {
     if (gauss && in_full_cell(problem_, cells_.fill, p)) return;
-    ShapeFunctions<D>& shape = scratch.shape;
+    auto& shape = scratch.shape;
     const double volume = shape_of.shape(grid, particles, p, shape);
     const double mass = particles.mass[p];
     // `show` is the velocity that the particle shows to its node k.
@@ -295,16 +286,16 @@ void Simulation<D>::scatter(Shape shape_of) {
         scratch.velocity[k] += particles.L[p] * (grid.position(shape.node[k]) - particles.x[p]);
     if constexpr (is_product<D, Shape>) {
       if (modes > 0) {
-        scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p],
-                           method.velocity);
-        add_modes(scratch.modes, &particles.modes[p * modes], scratch.velocity);
+        scratch.modes.fill(grid, shape_of.functions.axes(grid, particles.x[p]), particles.x[p],
+                           mode_set(method.velocity));
+        scratch.modes.add_to(scratch.velocity, shape.size(), &particles.modes[p * modes]);
       }
     }
     spread([&](std::size_t k) -> const Vector<D>& { return scratch.velocity[k]; });
   };
-  scatter_by_slabs<Scratch<D>>(particles.size(), problem_.threads, rows, add);
+  scatter_by_rows<Scratch<D, Shape>>(particles.size(), problem_.threads, rows, add);
 
-  ShapeFunctions<D> shape;
+  typename Shape::template Nodes<D> shape;
   for (const Load<D>& load : problem_.loads) {
     const std::size_t p = load.particle;
     const Vector<D> force = force_of(load, particles, time_);
@@ -345,9 +336,10 @@ std::vector<Vector<D>> Simulation<D>::filtered(std::vector<Vector<D>> velocity) 
   for (int j = 1; j < problem_.method.order; ++j) {
     std::fill(back.begin(), back.end(), Vector<D>::Zero());
     with_shape(problem_.method, [&](auto shape_of) {
+      using Seen = typename decltype(shape_of)::template Nodes<D>;
       parallel_blocks(particles.size(), particles_per_block, problem_.threads,
                       [&](std::size_t begin, std::size_t end) {
-                        ShapeFunctions<D> shape;
+                        Seen shape;
                         for (std::size_t p = begin; p < end; ++p) {
                           shape_of.shape(grid, particles, p, shape);
                           seen[p] = shape.value(left);
@@ -356,12 +348,12 @@ std::vector<Vector<D>> Simulation<D>::filtered(std::vector<Vector<D>> velocity) 
       const auto rows = [&](std::size_t p) {
         return shape_of.nodes_along(grid, particles, p, D - 1);
       };
-      scatter_by_slabs<ShapeFunctions<D>>(
-          particles.size(), problem_.threads, rows, [&](std::size_t p, ShapeFunctions<D>& shape) {
-            shape_of.shape(grid, particles, p, shape);
-            for (std::size_t k = 0; k < shape.size(); ++k)
-              back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen[p];
-          });
+      scatter_by_rows<Seen>(particles.size(), problem_.threads, rows,
+                            [&](std::size_t p, Seen& shape) {
+                              shape_of.shape(grid, particles, p, shape);
+                              for (std::size_t k = 0; k < shape.size(); ++k)
+                                back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen[p];
+                            });
     });
     for (std::size_t i = 0; i < left.size(); ++i)
       if (nodes_.mass[i] != 0) left[i] -= back[i] / nodes_.mass[i];
@@ -429,7 +421,7 @@ void Simulation<D>::strain_by_map() {
   fill_nodes();
   const Particles<D>& particles = problem_.particles;
   with_shape(problem_.method, [&](auto shape_of) {
-    ShapeFunctions<D> shape;
+    typename decltype(shape_of)::template Nodes<D> shape;
     for (std::size_t p = 0; p < particles.size(); ++p) {
       shape_of.shape(problem_.grid, particles, p, shape);
       const Matrix<D> L = shape.gradient(nodes_.velocity);
@@ -448,38 +440,34 @@ void Simulation<D>::gather(Shape shape_of, const std::vector<Vector<D>>& carried
   const bool strains = problem_.method.stress == StressUpdate::last;
   [[maybe_unused]] const VelocityMap map = problem_.method.velocity;
   [[maybe_unused]] const auto modes = static_cast<std::size_t>(mode_count(map, D));
-  parallel_blocks(
-      particles.size(), particles_per_block, problem_.threads,
-      [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
-        Scratch<D> scratch;
-        ShapeFunctions<D>& shape = scratch.shape;
-        for (std::size_t p = begin; p < end; ++p) {
-          shape_of.shape(grid, particles, p, shape);
-          const Matrix<D> L = shape.gradient(straining);
-          const Vector<D> v = shape.value(carried);
-          if constexpr (is_product<D, Shape>) {
-            if (modes > 0) {
-              scratch.modes.fill(grid, shape_of.axes(grid, particles.x[p]), particles.x[p], map);
-              for (int r = 0; r < scratch.modes.count(); ++r) {
-                Vector<D> sum = Vector<D>::Zero();
-                for (std::size_t k = 0; k < shape.size(); ++k)
-                  sum += shape.S[k] * scratch.modes.value(r, k) * carried[shape.node[k]];
-                particles.modes[p * modes + static_cast<std::size_t>(r)] =
-                    scratch.modes.norm(r) > 0 ? Vector<D>(sum / scratch.modes.norm(r))
-                                              : Vector<D>::Zero();
-              }
-            }
-          }
-          if (strains) strain(p, L, (Matrix<D>::Identity() + dt * L) * particles.F[p], dt);
-          move(p, particles.x[p] + dt * v);
-          if (flip)
-            particles.v[p] += kick * shape.value(nodes_.acceleration);
-          else
-            particles.v[p] = v;
-          shape_of.move(grid, particles, p, carried, dt);
-          move(p, particles.x[p]);  // cpdi2 has put it elsewhere
-        }
-      });
+  parallel_blocks(particles.size(), particles_per_block, problem_.threads,
+                  [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
+                    Scratch<D, Shape> scratch;
+                    auto& shape = scratch.shape;
+                    for (std::size_t p = begin; p < end; ++p) {
+                      shape_of.shape(grid, particles, p, shape);
+                      const Matrix<D> L = shape.gradient(straining);
+                      const Vector<D> v = shape.value(carried);
+                      if constexpr (is_product<D, Shape>) {
+                        if (modes > 0) {
+                          scratch.modes.fill(grid, shape_of.functions.axes(grid, particles.x[p]),
+                                             particles.x[p], mode_set(map));
+                          for (int r = 0; r < scratch.modes.count(); ++r)
+                            particles.modes[p * modes + static_cast<std::size_t>(r)] =
+                                scratch.modes.coefficient(r, shape, carried);
+                        }
+                      }
+                      if (strains)
+                        strain(p, L, (Matrix<D>::Identity() + dt * L) * particles.F[p], dt);
+                      move(p, particles.x[p] + dt * v);
+                      if (flip)
+                        particles.v[p] += kick * shape.value(nodes_.acceleration);
+                      else
+                        particles.v[p] = v;
+                      shape_of.move(grid, particles, p, carried, dt);
+                      move(p, particles.x[p]);  // cpdi2 has put it elsewhere
+                    }
+                  });
 }
 
 // A particle comes to x, or to the wall that it cannot pass.
@@ -541,9 +529,10 @@ void Simulation<D>::advance_runge_kutta(double dt) {
   for (int stage = 0; stage < stages; ++stage) {
     const bool last = stage + 1 == stages;
     with_shape(problem_.method, [&](auto shape_of) {
+      using Seen = typename decltype(shape_of)::template Nodes<D>;
       parallel_blocks(particles.size(), particles_per_block, problem_.threads,
                       [&](std::size_t begin, std::size_t end) {
-                        ShapeFunctions<D> shape;
+                        Seen shape;
                         for (std::size_t p = begin; p < end; ++p) {
                           shape_of.shape(problem_.grid, particles, p, shape);
                           Rates rates;

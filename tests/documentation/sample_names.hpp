@@ -11,6 +11,7 @@
 #include "recon/neighbourhood/kd_tree.hpp"
 #include "recon/operators/kernel_sum.hpp"
 #include "recon/recon.hpp"
+#include "recon/transfer/cartesian_grid.hpp"
 #ifdef SAMPLES_OF_MPM
 #include "recon/mpm/problem.hpp"
 #include "recon/mpm/simulation.hpp"
@@ -37,6 +38,7 @@ extern const recon::GridOptions options;
 extern const recon::GridMoments others;
 extern const std::vector<double> nodal_density;
 extern const double h, dt;
+extern const recon::SpaceMatrix<2> half_edges;  // columns
 
 // One target.
 extern const std::array<double, 2> x;
@@ -57,7 +59,6 @@ void use(const T&);
 
 #ifdef SAMPLES_OF_MPM
 extern const recon::mpm::Problem<2> problem;
-extern const recon::mpm::Matrix<2> half_edges;
 extern const double end;
 #endif
 

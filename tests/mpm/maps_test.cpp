@@ -72,7 +72,7 @@ Eigen::MatrixXd shape_matrix(const Problem<D>& problem) {
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count),
                                             static_cast<Eigen::Index>(problem.grid.size()));
   with_shape(problem.method, [&](auto policy) {
-    ShapeFunctions<D> shape;
+    NodeFunctions<D> shape;
     for (std::size_t p = 0; p < count; ++p) {
       policy.shape(problem.grid, problem.particles, p, shape);
       for (std::size_t k = 0; k < shape.size(); ++k)
@@ -522,13 +522,11 @@ TYPED_TEST(Quadratures, NodalCellsAreExactOverABlock) {
   std::vector<Vector<D>> force(problem.grid.size(), Vector<D>::Zero());
   std::vector<double> mass(problem.grid.size());
   for (int g = 0; g < 1 << (2 * D); ++g) {
-    Particles<D> point;
     Vector<D> x;
     for (int d = 0; d < D; ++d)
       x[d] = 0.375 + (g >> d & 1) * h + (g >> (D + d) & 1 ? offset : -offset);
-    point.add(x, Matrix<D>::Identity(), 1, 0);
-    ShapeFunctions<D> shape;
-    PointDomain{}.shape(problem.grid, point, 0, shape);
+    LinearFunctions::Nodes<D> shape;
+    LinearFunctions{}.at(problem.grid, x, shape);
     const double volume = std::pow(h / 2, D);
     for (std::size_t k = 0; k < shape.size(); ++k) {
       force[shape.node[k]] -= volume * stress(x) * shape.G[k];
@@ -574,10 +572,8 @@ TYPED_TEST(Quadratures, TaylorCellsReproduceQuadratics) {
       const int k = rest % (2 * cells);
       x[d] = (k / 2 + 0.5 + (k % 2 ? 0.5 : -0.5) / std::sqrt(3.0)) * h;
     }
-    Particles<D> point;
-    point.add(x, Matrix<D>::Identity(), 1, 0);
-    ShapeFunctions<D> shape;
-    BSpline<3>{}.shape(problem.grid, point, 0, shape);
+    SplineFunctions<3>::Nodes<D> shape;
+    SplineFunctions<3>{}.at(problem.grid, x, shape);
     for (std::size_t k = 0; k < shape.size(); ++k) {
       const double part = 1000 * std::pow(h / 2, D) * shape.S[k];
       mass[shape.node[k]] += part;

@@ -247,17 +247,17 @@ TYPED_TEST(StretchedBoxes, AreBoxesOfStretchedEdges) {
     stretched.F[0] = random_deformation<D>(random, 0.2);
     stretched.F[0].diagonal() = stretch;
     plain.add(x, Matrix<D>(0.3 * stretch.asDiagonal()), 1, 0);
-    ShapeFunctions<D> a, b;
-    StretchedGimp::shape(grid, stretched, 0, a);
-    UniformGimp::shape(grid, plain, 0, b);
+    NodeFunctions<D> a, b;
+    StretchedGimp{}.shape(grid, stretched, 0, a);
+    UniformGimp{}.shape(grid, plain, 0, b);
     ASSERT_EQ(a.node, b.node);
     for (std::size_t k = 0; k < a.size(); ++k) {
       EXPECT_NEAR(a.S[k], b.S[k], 1e-14);
       EXPECT_LE((a.G[k] - b.G[k]).norm(), 1e-14);
     }
     for (int d = 0; d < D; ++d)
-      EXPECT_EQ(StretchedGimp::nodes_along(grid, stretched, 0, d),
-                UniformGimp::nodes_along(grid, plain, 0, d));
+      EXPECT_EQ(StretchedGimp{}.nodes_along(grid, stretched, 0, d),
+                UniformGimp{}.nodes_along(grid, plain, 0, d));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "recon/mpm/read_problem.hpp"
 #include "recon/mpm/simulation.hpp"
+#include "support/space.hpp"
 
 namespace recon::mpm::test {
 
@@ -22,17 +23,10 @@ ProblemFile<D> read_example(const std::string& name, std::vector<std::string> se
   return std::get<ProblemFile<D>>(read_problem(example(name), settings));
 }
 
-inline double uniform(std::mt19937& random, double lower, double upper) {
-  return std::uniform_real_distribution<double>(lower, upper)(random);
-}
-
-template <int D>
-Matrix<D> random_deformation(std::mt19937& random, double size) {
-  Matrix<D> F = Matrix<D>::Identity();
-  for (int i = 0; i < D; ++i)
-    for (int j = 0; j < D; ++j) F(i, j) += uniform(random, -size, size);
-  return F;
-}
+using recon::test::AllDimensions;
+using recon::test::Dimension;
+using recon::test::random_deformation;
+using recon::test::uniform;
 
 // Elastic particles that fill [lower, upper]^D of the grid [0, 1]^D, at rest.
 template <int D>
@@ -60,10 +54,5 @@ inline bool has_negative_functions(const std::string& method) {
   const Basis basis = method_named(method).basis;
   return basis == Basis::q8 || basis == Basis::q9;
 }
-
-// Types int<1>, int<2>, int<3> for typed tests.
-template <int D>
-using Dimension = std::integral_constant<int, D>;
-using AllDimensions = testing::Types<Dimension<1>, Dimension<2>, Dimension<3>>;
 
 }  // namespace recon::mpm::test

@@ -5,12 +5,12 @@
 #   include/recon/<room>/   public headers, as "recon/<room>/..."; of other projects the standard
 #                           library, Eigen, and Boost in the one header that is about Boost types
 #   src/<room>/             public headers, and private ones as "<room>/..." or of the same folder
-#   include/recon/*.hpp     belong to recon::recon: rooms from core to grid
+#   include/recon/*.hpp     belong to recon::recon: rooms from core to transfer
 #   src/programs/           public headers and files of the same folder
 cmake_minimum_required(VERSION 3.22)
 
-set(rooms core points neighbourhood weights basis local_solve shape operators grid fields io mpm)
-set(last_of_recon grid)
+set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer fields io mpm)
+set(last_of_recon transfer)
 set(headers_about_boost include/recon/points/boost_geometry.hpp)
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/include/recon/* ${ROOT}/src/*)

@@ -43,7 +43,7 @@ check("${after}" include/recon/core/a.hpp "#pragma once\n  #  include <recon/poi
 check("${after}" include/recon/core/detail/a.hpp "#include \"recon/points/view.hpp\"")
 check("${after}" src/core/a.cpp "#include \"recon/points/view.hpp\"")
 check("${after}" src/core/a.cpp "#include \"points/private.hpp\"")
-check("'io' comes after 'grid'" include/recon/recon.hpp "#include \"recon/io/read.hpp\"")
+check("'io' comes after 'transfer'" include/recon/recon.hpp "#include \"recon/io/read.hpp\"")
 check("'attic' is not a room" include/recon/attic/a.hpp "#pragma once")
 check("'attic' is not a room" src/points/a.cpp "#include \"recon/attic/a.hpp\"")
 check("no relative paths" src/points/a.cpp "#include \"../core/a.hpp\"")

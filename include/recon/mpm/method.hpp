@@ -5,13 +5,13 @@
 #include <string>
 #include <string_view>
 
-#include "recon/mpm/domains.hpp"
+#include "recon/mpm/shapes.hpp"
 
 namespace recon::mpm {
 
-// What a particle is (domains.hpp), and with which functions it sees the grid (bases.hpp). Domains
-// other than the point need the linear basis. mls_bspline2 is bspline2 with the gradients of
-// MLS-MPM (Hu et al. 2018).
+// What a particle is (transfer/domain_functions.hpp), and with which functions it sees the grid
+// (transfer/point_functions.hpp). Domains other than the point need the linear basis. mls_bspline2
+// is bspline2 with the gradients of MLS-MPM (Hu et al. 2018).
 enum class Domain { point, ugimp, cpgimp, cpdi1, cpdi2 };
 enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 
@@ -123,7 +123,6 @@ std::string_view name_of(VelocityMap map);
 std::string_view name_of(Quadrature quadrature);
 std::string_view name_of(Update update);
 std::string_view name_of(MassMatrix mass);
-std::string_view name_of(SplineBorder border);
 std::string_view name_of(StressUpdate stress);
 
 // Calls work(policy) with the policy of the method's domain and basis.
@@ -143,19 +142,19 @@ decltype(auto) with_shape(const Method& method, Work&& work) {
   }
   switch (method.basis) {
     case Basis::q8:
-      return work(EightNode{});
+      return work(PointShape<EightNodeFunctions>{});
     case Basis::q9:
-      return work(NineNode{});
+      return work(PointShape<NineNodeFunctions>{});
     case Basis::bspline2:
-      return work(BSpline<2>{{method.border}, {}});
+      return work(PointShape<SplineFunctions<2>>{{{method.border}}});
     case Basis::bspline3:
-      return work(BSpline<3>{{method.border}, {}});
+      return work(PointShape<SplineFunctions<3>>{{{method.border}}});
     case Basis::mls_bspline2:
-      return work(MomentGradients{{{method.border}, {}}});
+      return work(PointShape<MomentSplineFunctions>{{{{method.border}}}});
     case Basis::linear:
       break;
   }
-  return work(PointDomain{});
+  return work(PointShape<LinearFunctions>{});
 }
 
 }  // namespace recon::mpm

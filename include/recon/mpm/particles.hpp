@@ -12,13 +12,14 @@
 #include <vector>
 
 #include "recon/mpm/types.hpp"
+#include "recon/transfer/domain_functions.hpp"
 
 namespace recon::mpm {
 
 template <int D>
 struct Particles {
   static constexpr int corner_count = 1 << D;
-  using Corners = std::array<Vector<D>, corner_count>;
+  using Corners = DomainCorners<D>;
 
   std::vector<Vector<D>> X, x;        // reference and current position, length
   std::vector<Vector<D>> v;           // velocity half a step before the current time, length / time
@@ -39,16 +40,11 @@ struct Particles {
   double volume(std::size_t p) const { return F[p].determinant() * volume0[p]; }
   double density(std::size_t p) const { return mass[p] / volume(p); }
 
-  // The corners of the parallelepiped of a particle.
-  Corners domain(std::size_t p) const {
-    const Matrix<D> edges = F[p] * half_edges[p];
-    Corners at;
-    for (int a = 0; a < corner_count; ++a) {
-      at[a] = x[p];
-      for (int d = 0; d < D; ++d) at[a] += (a >> d & 1 ? 1.0 : -1.0) * edges.col(d);
-    }
-    return at;
+  ParallelepipedDomain<D> parallelepiped(std::size_t p) const {
+    return {x[p], F[p] * half_edges[p]};
   }
+  // The corners of the parallelepiped of a particle.
+  Corners domain(std::size_t p) const { return corners_of(parallelepiped(p)); }
 
   // Adds a particle that is at rest and undeformed.
   void add(const Vector<D>& at, const Matrix<D>& half, double density, int of_body) {

@@ -19,7 +19,6 @@
 #include <string>
 #include <vector>
 
-#include "recon/mpm/grid.hpp"
 #include "recon/mpm/manufactured.hpp"
 #include "recon/mpm/material.hpp"
 #include "recon/mpm/method.hpp"

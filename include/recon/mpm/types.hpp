@@ -1,14 +1,16 @@
-// Small vectors and matrices of the driver. D is the number of space dimensions: 1 (uniaxial
-// strain), 2 (plane strain) or 3.
+// Short names of the driver for the grid and its vectors. D is the number of space dimensions: 1
+// (uniaxial strain), 2 (plane strain) or 3.
 #pragma once
 
-#include <Eigen/Core>
+#include "recon/transfer/cartesian_grid.hpp"
 
 namespace recon::mpm {
 
 template <int D>
-using Vector = Eigen::Matrix<double, D, 1>;
+using Vector = SpaceVector<D>;
 template <int D>
-using Matrix = Eigen::Matrix<double, D, D>;
+using Matrix = SpaceMatrix<D>;
+template <int D>
+using Grid = CartesianGrid<D>;
 
 }  // namespace recon::mpm

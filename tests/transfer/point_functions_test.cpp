@@ -1,12 +1,15 @@
 // The functions of the grid: what makes each of them what it is, and how splines end at faces.
-// Sums, slopes and linear fields of all of them are in domains_test.cpp.
-#include "recon/mpm/bases.hpp"
+// Sums, slopes and linear fields of all of them are in domain_functions_test.cpp.
+#include "recon/transfer/point_functions.hpp"
 
+#include <Eigen/Dense>
 #include <cmath>
+#include <string>
 
-#include "mpm/support.hpp"
+#include "recon/weights/weight.hpp"
+#include "support/space.hpp"
 
-namespace recon::mpm::test {
+namespace recon::test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -18,13 +21,11 @@ struct Functions {
   Eigen::Matrix<double, Eigen::Dynamic, D> G;
 
   template <class Policy>
-  Functions(const Policy& policy, const Grid<D>& grid, const Vector<D>& x)
+  Functions(const Policy& policy, const CartesianGrid<D>& grid, const SpaceVector<D>& x)
       : S(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(grid.size()))) {
     G.setZero(S.size(), D);
-    Particles<D> particles;
-    particles.add(x, Matrix<D>::Identity(), 1, 0);
-    ShapeFunctions<D> shape;
-    policy.shape(grid, particles, 0, shape);
+    typename Policy::template Nodes<D> shape;
+    policy.at(grid, x, shape);
     for (std::size_t k = 0; k < shape.size(); ++k) {
       S[shape.node[k]] += shape.S[k];
       G.row(shape.node[k]) += shape.G[k].transpose();
@@ -32,50 +33,39 @@ struct Functions {
   }
 };
 template <class Policy, int D>
-Functions(const Policy&, const Grid<D>&, const Vector<D>&) -> Functions<D>;
-
-template <int D>
-Grid<D> unit_grid(int cells) {
-  return Grid<D>(Vector<D>::Zero(), Vector<D>::Ones(), 1.0 / cells);
-}
-template <int D>
-Vector<D> random_point(std::mt19937& random, double lower = 0, double upper = 1) {
-  Vector<D> x;
-  for (int d = 0; d < D; ++d) x[d] = uniform(random, lower, upper);
-  return x;
-}
+Functions(const Policy&, const CartesianGrid<D>&, const SpaceVector<D>&) -> Functions<D>;
 
 // Calls work(policy, name) with all bases that are for D dimensions.
 template <int D, class Work>
 void with_bases(const Work& work) {
-  work(PointDomain{}, "linear");
-  work(NineNode{}, "q9");
-  if constexpr (D == 2) work(EightNode{}, "q8");
+  work(LinearFunctions{}, "linear");
+  work(NineNodeFunctions{}, "q9");
+  if constexpr (D == 2) work(EightNodeFunctions{}, "q8");
   using enum SplineBorder;
   for (const SplineBorder border : {corrected, extra_column, linear_cells}) {
     const std::string at = std::string(name_of(border));
-    work(BSpline<2>{{border}, {}}, "bspline2 " + at);
-    work(BSpline<3>{{border}, {}}, "bspline3 " + at);
+    work(SplineFunctions<2>{{border}}, "bspline2 " + at);
+    work(SplineFunctions<3>{{border}}, "bspline3 " + at);
   }
 }
 
 template <class T>
-class Bases : public testing::Test {};
+class Bases : public ::testing::Test {};
 TYPED_TEST_SUITE(Bases, AllDimensions);
 
 TYPED_TEST(Bases, GradientsAreSlopesOfTheValues) {
   constexpr int D = TypeParam::value;
-  const Grid<D> grid = unit_grid<D>(6);
+  const CartesianGrid<D> grid = unit_grid<D>(6);
   const double step = 1e-5 * grid.h();
   with_bases<D>([&](const auto& policy, const std::string& name) {
     std::mt19937 random(11);
     for (int round = 0; round < 60; ++round) {
-      const Vector<D> x = random_point<D>(random);
+      const SpaceVector<D> x = random_point<D>(random);
       const Functions at(policy, grid, x);
       for (int d = 0; d < D; ++d) {
-        const Vector<D> offset = step * Vector<D>::Unit(d);
-        const Eigen::VectorXd slope = (Functions(policy, grid, Vector<D>(x + offset)).S -
-                                       Functions(policy, grid, Vector<D>(x - offset)).S) /
+        const SpaceVector<D> offset = step * SpaceVector<D>::Unit(d);
+        const Eigen::VectorXd slope = (Functions(policy, grid, SpaceVector<D>(x + offset)).S -
+                                       Functions(policy, grid, SpaceVector<D>(x - offset)).S) /
                                       (2 * step);
         EXPECT_LE((slope - at.G.col(d)).cwiseAbs().maxCoeff() * grid.h(), 1e-9) << name;
       }
@@ -87,31 +77,32 @@ TYPED_TEST(Bases, GradientsAreSlopesOfTheValues) {
 // the point's mass: the force on it would have nothing to push otherwise.
 TYPED_TEST(Bases, NodesWithASlopeHaveAValueOnEdges) {
   constexpr int D = TypeParam::value;
-  const Grid<D> grid = unit_grid<D>(4);
+  const CartesianGrid<D> grid = unit_grid<D>(4);
   const auto check = [&](const auto& policy, const char* name) {
     for (int edge = 0; edge <= 4; ++edge)
       for (const double off : {-1e-17, 0.0, 1e-17}) {
-        const Functions at(policy, grid, Vector<D>(Vector<D>::Constant(edge * 0.25 + off)));
+        const Functions at(policy, grid,
+                           SpaceVector<D>(SpaceVector<D>::Constant(edge * 0.25 + off)));
         for (Eigen::Index i = 0; i < at.S.size(); ++i)
           if (at.G.row(i).norm() * grid.h() > 1e-6) {
             EXPECT_NE(at.S[i], 0) << name << " edge " << edge << " node " << i;
           }
       }
   };
-  check(PointDomain{}, "linear");
-  check(BSpline<2>{}, "bspline2");
-  check(BSpline<3>{}, "bspline3");
+  check(LinearFunctions{}, "linear");
+  check(SplineFunctions<2>{}, "bspline2");
+  check(SplineFunctions<3>{}, "bspline3");
 }
 
 // Also where the grid is as small as it can be: a spline on one cell is linear there.
 TYPED_TEST(Bases, OneCellIsEnoughForSplines) {
   constexpr int D = TypeParam::value;
-  const Grid<D> grid = unit_grid<D>(1);
+  const CartesianGrid<D> grid = unit_grid<D>(1);
   std::mt19937 random(12);
   for (int round = 0; round < 20; ++round) {
-    const Vector<D> x = random_point<D>(random);
-    const Functions linear(PointDomain{}, grid, x), quadratic(BSpline<2>{}, grid, x),
-        cubic(BSpline<3>{}, grid, x);
+    const SpaceVector<D> x = random_point<D>(random);
+    const Functions linear(LinearFunctions{}, grid, x), quadratic(SplineFunctions<2>{}, grid, x),
+        cubic(SplineFunctions<3>{}, grid, x);
     EXPECT_LE((quadratic.S - linear.S).norm() + (cubic.S - linear.S).norm(), rounding);
     EXPECT_LE((quadratic.G - linear.G).norm() + (cubic.G - linear.G).norm(), 10 * rounding);
   }
@@ -122,10 +113,10 @@ TYPED_TEST(Bases, SplinesArePositiveAndInterpolateAtFaces) {
   constexpr int D = TypeParam::value;
   std::mt19937 random(13);
   for (const int cells : {1, 2, 3, 5}) {
-    const Grid<D> grid = unit_grid<D>(cells);
+    const CartesianGrid<D> grid = unit_grid<D>(cells);
     const auto check = [&](const auto& policy) {
       for (int round = 0; round < 100; ++round) {
-        Vector<D> x = random_point<D>(random);
+        SpaceVector<D> x = random_point<D>(random);
         EXPECT_GE(Functions(policy, grid, x).S.minCoeff(), -1e-16);
         const int axis = round % D, face = round / D % 2;
         x[axis] = face;
@@ -136,20 +127,20 @@ TYPED_TEST(Bases, SplinesArePositiveAndInterpolateAtFaces) {
           }
       }
     };
-    check(BSpline<2>{});
-    check(BSpline<3>{});
+    check(SplineFunctions<2>{});
+    check(SplineFunctions<3>{});
   }
 }
 
 // The largest jump of S, of its slope times h and of its second derivative times h^2, over the
 // knots and the faces' neighbourhood: all multiples of h / 2.
 template <class Policy>
-std::array<double, 3> jumps(const Policy& policy, const Grid<1>& grid) {
+std::array<double, 3> jumps(const Policy& policy, const CartesianGrid<1>& grid) {
   std::array<double, 3> most{};
   const double h = grid.h(), step = 1e-4 * h;
   for (int knot = 1; knot < 2 * grid.cells(0); ++knot) {
     const auto at = [&](double steps) {
-      return Functions(policy, grid, Vector<1>(knot * h / 2 + steps * step));
+      return Functions(policy, grid, SpaceVector<1>(knot * h / 2 + steps * step));
     };
     const Functions left(at(-1)), right(at(1)), before(at(-2)), after(at(2));
     // Extrapolated to the knot, so that what is left is the jump.
@@ -170,20 +161,21 @@ std::array<double, 3> jumps(const Policy& policy, const Grid<1>& grid) {
 // elements have none, and the linear cells of a border are not even continuous to the splines.
 TEST(Splines, AreSmooth) {
   for (const int cells : {2, 3, 6}) {
-    const Grid<1> grid = unit_grid<1>(cells);
-    const auto quadratic = jumps(BSpline<2>{}, grid), cubic = jumps(BSpline<3>{}, grid);
+    const CartesianGrid<1> grid = unit_grid<1>(cells);
+    const auto quadratic = jumps(SplineFunctions<2>{}, grid),
+               cubic = jumps(SplineFunctions<3>{}, grid);
     const double flat = 1e-6;
     EXPECT_LE(quadratic[0] + cubic[0], flat);
     EXPECT_LE(quadratic[1] + cubic[1], flat);
     EXPECT_LE(cubic[2], 1e-3);
     EXPECT_GE(quadratic[2], 0.99);
-    EXPECT_GE(jumps(PointDomain{}, grid)[1], 0.99);
+    EXPECT_GE(jumps(LinearFunctions{}, grid)[1], 0.99);
   }
-  EXPECT_GE(jumps(NineNode{}, unit_grid<1>(6))[1], 0.99);
-  const Grid<1> grid = unit_grid<1>(6);
+  EXPECT_GE(jumps(NineNodeFunctions{}, unit_grid<1>(6))[1], 0.99);
+  const CartesianGrid<1> grid = unit_grid<1>(6);
   // From the linear functions (0, 1, 0) at the second node to (1/8, 3/4, 1/8) and (1/6, 2/3, 1/6).
-  EXPECT_NEAR(jumps(BSpline<2>{{SplineBorder::linear_cells}, {}}, grid)[0], 0.25, 1e-6);
-  EXPECT_NEAR(jumps(BSpline<3>{{SplineBorder::linear_cells}, {}}, grid)[0], 1.0 / 3, 1e-6);
+  EXPECT_NEAR(jumps(SplineFunctions<2>{{SplineBorder::linear_cells}}, grid)[0], 0.25, 1e-6);
+  EXPECT_NEAR(jumps(SplineFunctions<3>{{SplineBorder::linear_cells}}, grid)[0], 1.0 / 3, 1e-6);
 }
 
 // Andersen, Andersen 2007: eq. 23, and the 16 products that it gives in 2-D.
@@ -198,9 +190,10 @@ TEST(Splines, AreThoseOfTheSource) {
     xi = std::abs(xi);
     return xi < 0.5 ? 0.75 - xi * xi : xi < 1.5 ? (1.5 - xi) * (1.5 - xi) / 2 : 0.0;
   };
-  const Grid<1> line = unit_grid<1>(8);
+  const CartesianGrid<1> line = unit_grid<1>(8);
   for (double x = 0.13; x < 0.87; x += 0.0137) {
-    const Functions two(BSpline<2>{}, line, Vector<1>(x)), three(BSpline<3>{}, line, Vector<1>(x));
+    const Functions two(SplineFunctions<2>{}, line, SpaceVector<1>(x)),
+        three(SplineFunctions<3>{}, line, SpaceVector<1>(x));
     for (int i = 0; i <= 8; ++i) {
       EXPECT_NEAR(two.S[i], quadratic(8 * x - i), rounding);
       EXPECT_NEAR(three.S[i], cubic(8 * x - i), rounding);
@@ -215,11 +208,11 @@ TEST(Splines, AreThoseOfTheSource) {
     };
     return one(xi, (number - 1) / 4) * one(eta, (number - 1) % 4);
   };
-  const Grid<2> plane = unit_grid<2>(8);
+  const CartesianGrid<2> plane = unit_grid<2>(8);
   std::mt19937 random(14);
   for (int round = 0; round < 50; ++round) {
     const double xi = uniform(random, 0, 1), eta = uniform(random, 0, 1);
-    const Functions at(BSpline<3>{}, plane, Vector<2>((3 + xi) / 8, (4 + eta) / 8));
+    const Functions at(SplineFunctions<3>{}, plane, SpaceVector<2>((3 + xi) / 8, (4 + eta) / 8));
     for (int number = 1; number <= 16; ++number) {
       const std::uint32_t node = plane.number({2 + (number - 1) / 4, 3 + (number - 1) % 4});
       EXPECT_NEAR(at.S[node], product(xi, eta, number), rounding);
@@ -227,19 +220,38 @@ TEST(Splines, AreThoseOfTheSource) {
   }
 }
 
+// Inside the grid they are the weights of weights/ at q = |x - x_i| / rho, rho = (P + 1) h / 2, up
+// to rounding: the closed forms here keep one rounding less.
+TEST(Splines, AreTheWeightsOfThatDegree) {
+  const CartesianGrid<1> line = unit_grid<1>(8);
+  const auto check = [&]<int P>(std::integral_constant<int, P>) {
+    const double rho = (P + 1) / 2.0 / 8;
+    for (double x = 0.26; x < 0.74; x += 0.00137) {
+      const Functions at(SplineFunctions<P>{}, line, SpaceVector<1>(x));
+      for (int i = 0; i <= 8; ++i) {
+        const double q = std::min(std::abs(x - i / 8.0) / rho, 1.0), sign = x > i / 8.0 ? 1 : -1;
+        EXPECT_NEAR(at.S[i], BSpline<P>{}(q), 1e-15);
+        EXPECT_NEAR(at.G(i, 0), sign / rho * BSpline<P>{}.derivative(q), 1e-13);
+      }
+    }
+  };
+  check(std::integral_constant<int, 2>{});
+  check(std::integral_constant<int, 3>{});
+}
+
 // 1 less the function of the node beyond the face, which is held at rest; linear fields are wrong
 // there and right inside.
 TEST(Splines, LoseTheExtraColumn) {
-  const Grid<1> grid = unit_grid<1>(8);
+  const CartesianGrid<1> grid = unit_grid<1>(8);
   for (double s = 0.005; s < 8; s += 0.0371) {
     const double near = std::min(s, 8 - s);
     const double two = near < 0.5 ? (0.5 - near) * (0.5 - near) / 2 : 0;
     const double three = near < 1 ? (1 - near) * (1 - near) * (1 - near) / 6 : 0;
     const auto border = SplineBorder::extra_column;
-    EXPECT_NEAR(Functions(BSpline<2>{{border}, {}}, grid, Vector<1>(s / 8)).S.sum(), 1 - two,
-                rounding);
-    EXPECT_NEAR(Functions(BSpline<3>{{border}, {}}, grid, Vector<1>(s / 8)).S.sum(), 1 - three,
-                rounding);
+    EXPECT_NEAR(Functions(SplineFunctions<2>{{border}}, grid, SpaceVector<1>(s / 8)).S.sum(),
+                1 - two, rounding);
+    EXPECT_NEAR(Functions(SplineFunctions<3>{{border}}, grid, SpaceVector<1>(s / 8)).S.sum(),
+                1 - three, rounding);
   }
 }
 
@@ -247,26 +259,26 @@ TEST(Splines, LoseTheExtraColumn) {
 TEST(Splines, OnLinearCellsReproduceLinearFields) {
   const auto border = SplineBorder::linear_cells;
   for (const int cells : {1, 2, 3, 6}) {
-    const Grid<1> grid = unit_grid<1>(cells);
+    const CartesianGrid<1> grid = unit_grid<1>(cells);
     Eigen::VectorXd place(cells + 1);
     for (int i = 0; i <= cells; ++i) place[i] = grid.node(i, 0);
     for (double x = 0; x < 1; x += 0.0173) {
       const auto check = [&](const auto& policy) {
-        const Functions at(policy, grid, Vector<1>(x));
+        const Functions at(policy, grid, SpaceVector<1>(x));
         EXPECT_NEAR(at.S.sum(), 1, rounding);
         EXPECT_NEAR(at.S.dot(place), x, rounding);
         EXPECT_NEAR(at.G.col(0).dot(place), 1, 10 * rounding);
       };
-      check(BSpline<2>{{border}, {}});
-      check(BSpline<3>{{border}, {}});
+      check(SplineFunctions<2>{{border}});
+      check(SplineFunctions<3>{{border}});
     }
   }
 }
 
 // The value and the gradient that nodal values of `field` have at x, less those of the field.
 template <int D, class Policy, class Field, class Slope>
-double error_of(const Policy& policy, const Grid<D>& grid, const Vector<D>& x, const Field& field,
-                const Slope& slope) {
+double error_of(const Policy& policy, const CartesianGrid<D>& grid, const SpaceVector<D>& x,
+                const Field& field, const Slope& slope) {
   const Functions at(policy, grid, x);
   Eigen::VectorXd nodes(at.S.size());
   for (Eigen::Index i = 0; i < nodes.size(); ++i)
@@ -278,13 +290,13 @@ double error_of(const Policy& policy, const Grid<D>& grid, const Vector<D>& x, c
 // x^a y^b z^c with its slope; powers[d] is that of axis d.
 template <int D>
 auto monomial(const std::array<int, 3>& powers) {
-  const auto field = [powers](const Vector<D>& x) {
+  const auto field = [powers](const SpaceVector<D>& x) {
     double value = 1;
     for (int d = 0; d < D; ++d) value *= std::pow(x[d], powers[d]);
     return value;
   };
-  const auto slope = [powers](const Vector<D>& x) {
-    Vector<D> all;
+  const auto slope = [powers](const SpaceVector<D>& x) {
+    SpaceVector<D> all;
     for (int e = 0; e < D; ++e) {
       all[e] = 1;
       for (int d = 0; d < D; ++d)
@@ -298,31 +310,36 @@ auto monomial(const std::array<int, 3>& powers) {
 
 TYPED_TEST(Bases, NineNodeElementsHaveAllQuadratics) {
   constexpr int D = TypeParam::value;
-  const Grid<D> grid = unit_grid<D>(4);
+  const CartesianGrid<D> grid = unit_grid<D>(4);
   std::mt19937 random(15);
   for (int number = 0; number < 27; ++number) {
     const auto [field, slope] = monomial<D>({number % 3, number / 3 % 3, number / 9});
     for (int round = 0; round < 20; ++round)
-      EXPECT_LE(error_of(NineNode{}, grid, random_point<D>(random), field, slope), rounding);
+      EXPECT_LE(error_of(NineNodeFunctions{}, grid, random_point<D>(random), field, slope),
+                rounding);
   }
   const auto [field, slope] = monomial<D>({3, 0, 0});
-  EXPECT_GE(error_of(NineNode{}, grid, Vector<D>(Vector<D>::Constant(0.4)), field, slope), 1e-4);
+  EXPECT_GE(error_of(NineNodeFunctions{}, grid, SpaceVector<D>(SpaceVector<D>::Constant(0.4)),
+                     field, slope),
+            1e-4);
 }
 
 // All of degree 2, x^2 y and x y^2; but not x^2 y^2, which has -1 instead of 0 in the middle of
 // [-1, 1]^2 (there corners have -1/4, sides 1/2).
 TEST(Elements, EightNodesHaveQuadraticsAndTwoCubics) {
-  const Grid<2> grid = unit_grid<2>(4);
+  const CartesianGrid<2> grid = unit_grid<2>(4);
   std::mt19937 random(16);
   using Powers = std::array<int, 3>;
   for (const Powers& powers :
        {Powers{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {2, 1}, {1, 2}}) {
     const auto [field, slope] = monomial<2>(powers);
     for (int round = 0; round < 20; ++round)
-      EXPECT_LE(error_of(EightNode{}, grid, random_point<2>(random), field, slope), rounding);
+      EXPECT_LE(error_of(EightNodeFunctions{}, grid, random_point<2>(random), field, slope),
+                rounding);
   }
-  const Functions middle(EightNode{}, Grid<2>(Vector<2>(-1, -1), Vector<2>(1, 1), 1),
-                         Vector<2>(0, 0));
+  const Functions middle(EightNodeFunctions{},
+                         CartesianGrid<2>(SpaceVector<2>(-1, -1), SpaceVector<2>(1, 1), 1),
+                         SpaceVector<2>(0, 0));
   Eigen::VectorXd values(9);
   values << 1, 0, 1, 0, 0, 0, 1, 0, 1;
   EXPECT_NEAR(middle.S.dot(values), -1, rounding);
@@ -331,7 +348,7 @@ TEST(Elements, EightNodesHaveQuadraticsAndTwoCubics) {
 // The printed functions of the elements (Andersen, Andersen 2007, section 3.4), their nodes counter
 // clockwise from the lower left corner.
 TEST(Elements, AreThoseOfTheSource) {
-  const Grid<2> grid(Vector<2>(-1, -1), Vector<2>(1, 1), 1);
+  const CartesianGrid<2> grid(SpaceVector<2>(-1, -1), SpaceVector<2>(1, 1), 1);
   constexpr int place[9][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2},
                                {1, 2}, {0, 2}, {0, 1}, {1, 1}};
   std::mt19937 random(17);
@@ -350,7 +367,8 @@ TEST(Elements, AreThoseOfTheSource) {
                              (1 - x) * (1 + y) * (-x + y - 1) / 4,
                              (1 - x) * (1 - y * y) / 2,
                              0};
-    const Functions q8(EightNode{}, grid, Vector<2>(x, y)), q9(NineNode{}, grid, Vector<2>(x, y));
+    const Functions q8(EightNodeFunctions{}, grid, SpaceVector<2>(x, y)),
+        q9(NineNodeFunctions{}, grid, SpaceVector<2>(x, y));
     for (int n = 0; n < 9; ++n) {
       const std::uint32_t node = grid.number({place[n][0], place[n][1]});
       EXPECT_NEAR(q8.S[node], eight[n], rounding);
@@ -362,17 +380,17 @@ TEST(Elements, AreThoseOfTheSource) {
 // At each of its own nodes a function is one and all others are zero, from all sides.
 TYPED_TEST(Bases, ElementsInterpolateAtTheirNodes) {
   constexpr int D = TypeParam::value;
-  const Grid<D> grid = unit_grid<D>(4);
+  const CartesianGrid<D> grid = unit_grid<D>(4);
   for (std::size_t i = 0; i < grid.size(); ++i)
     for (const double off : {-1e-15, 0.0, 1e-15}) {
-      const Vector<D> x = grid.position(i).array() + off;
+      const SpaceVector<D> x = grid.position(i).array() + off;
       const Eigen::VectorXd unit = Eigen::VectorXd::Unit(static_cast<Eigen::Index>(grid.size()),
                                                          static_cast<Eigen::Index>(i));
-      EXPECT_LE((Functions(NineNode{}, grid, x).S - unit).norm(), 10 * rounding);
+      EXPECT_LE((Functions(NineNodeFunctions{}, grid, x).S - unit).norm(), 10 * rounding);
       if constexpr (D == 2) {
         const auto index = grid.nodes().index(i);
         if (index[0] % 2 == 1 && index[1] % 2 == 1) continue;  // no node of q8
-        EXPECT_LE((Functions(EightNode{}, grid, x).S - unit).norm(), 10 * rounding);
+        EXPECT_LE((Functions(EightNodeFunctions{}, grid, x).S - unit).norm(), 10 * rounding);
       }
     }
 }
@@ -380,14 +398,14 @@ TYPED_TEST(Bases, ElementsInterpolateAtTheirNodes) {
 // The integral of a corner's function over its element is -1/12 of the area with 8 nodes, so that a
 // full grid has negative masses; with 9 nodes it is 1/36.
 TEST(Elements, OfEightNodesHaveNegativeCorners) {
-  const Grid<2> grid(Vector<2>(-1, -1), Vector<2>(1, 1), 1);
+  const CartesianGrid<2> grid(SpaceVector<2>(-1, -1), SpaceVector<2>(1, 1), 1);
   Eigen::VectorXd eight = Eigen::VectorXd::Zero(9), nine = eight;
   const double place = std::sqrt(0.6);
   for (const double x : {-place, 0.0, place})
     for (const double y : {-place, 0.0, place}) {
       const double weight = (x == 0 ? 8.0 : 5.0) / 9 * (y == 0 ? 8.0 : 5.0) / 9;
-      eight += weight * Functions(EightNode{}, grid, Vector<2>(x, y)).S;
-      nine += weight * Functions(NineNode{}, grid, Vector<2>(x, y)).S;
+      eight += weight * Functions(EightNodeFunctions{}, grid, SpaceVector<2>(x, y)).S;
+      nine += weight * Functions(NineNodeFunctions{}, grid, SpaceVector<2>(x, y)).S;
     }
   for (const int corner : {0, 2, 6, 8}) {
     EXPECT_NEAR(eight[corner], -4.0 / 12, rounding);
@@ -397,25 +415,35 @@ TEST(Elements, OfEightNodesHaveNegativeCorners) {
 }
 
 TEST(Elements, NeedAnEvenNumberOfCells) {
-  for (const char* method : {"q8", "q9"}) {
-    EXPECT_NO_THROW(block<2>(6, 0, 1, method).validate());
-    EXPECT_THROW(block<2>(5, 0, 1, method).validate(), InvalidArgument);
-  }
+  NodeFunctions<2> shape;
+  const auto fails = [&](const auto& functions, int cells) {
+    try {
+      functions.at(unit_grid<2>(cells), SpaceVector<2>(0.5, 0.9), shape);
+    } catch (const InvalidArgument& error) {
+      return std::string(error.what()) ==
+             "cells of the grid along an axis = 5: must be even with elements of 2 x 2 cells";
+    }
+    return false;
+  };
+  EXPECT_TRUE(fails(NineNodeFunctions{}, 5));
+  EXPECT_TRUE(fails(EightNodeFunctions{}, 5));
+  EXPECT_FALSE(fails(NineNodeFunctions{}, 6));
+  EXPECT_FALSE(fails(EightNodeFunctions{}, 6));
 }
 
 // Inside the grid G = (4 / h^2) S d (Hu et al. 2018), which is not the slope of S.
 TYPED_TEST(Bases, MomentGradientsAreMomentsOfTheSplines) {
   constexpr int D = TypeParam::value;
-  const Grid<D> grid = unit_grid<D>(6);
+  const CartesianGrid<D> grid = unit_grid<D>(6);
   std::mt19937 random(18);
   double most = 0;
   for (int round = 0; round < 50; ++round) {
-    const Vector<D> x = random_point<D>(random, 0.5 / 6, 5.5 / 6);
-    const Functions at(MomentGradients{}, grid, x), spline(BSpline<2>{}, grid, x);
+    const SpaceVector<D> x = random_point<D>(random, 0.5 / 6, 5.5 / 6);
+    const Functions at(MomentSplineFunctions{}, grid, x), spline(SplineFunctions<2>{}, grid, x);
     EXPECT_LE((at.S - spline.S).norm(), rounding);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const auto n = static_cast<Eigen::Index>(i);
-      const Vector<D> expected = 4 * 36 * spline.S[n] * (grid.position(i) - x);
+      const SpaceVector<D> expected = 4 * 36 * spline.S[n] * (grid.position(i) - x);
       EXPECT_LE((at.G.row(n).transpose() - expected).norm() * grid.h(), 10 * rounding);
     }
     most = std::max(most, (at.G - spline.G).norm() * grid.h());
@@ -424,4 +452,4 @@ TYPED_TEST(Bases, MomentGradientsAreMomentsOfTheSplines) {
 }
 
 }  // namespace
-}  // namespace recon::mpm::test
+}  // namespace recon::test

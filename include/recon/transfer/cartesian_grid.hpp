@@ -1,0 +1,132 @@
+// The grid of a particle-in-cell code: square cells of edge h that fill a box.
+//
+// ```cpp
+//   const recon::CartesianGrid<2> grid({0, 0}, {2, 1}, 0.25);  // 8 x 4 cells, 9 x 5 nodes
+//   std::vector<double> nodal_mass(grid.size());               // the arrays are yours
+//   const auto place = grid.position(17);                      // of node 17
+// ```
+//
+// Nodes lie at lower + h (i, j, k), and their numbers run along the first axis first. A point
+// belongs to the cell whose half-open box holds it. Points at or beyond the outer faces belong to
+// the outermost cells. So a point on an edge, or outside of the box by rounding, is treated like
+// its neighbours; contains() tells which points lie outside.
+//
+// Lengths are in the unit of h. D is the number of space dimensions, 1, 2 or 3.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "recon/points/structured_grid.hpp"
+
+namespace recon {
+
+template <int D>
+using SpaceVector = Eigen::Matrix<double, D, 1>;
+template <int D>
+using SpaceMatrix = Eigen::Matrix<double, D, D>;
+
+namespace detail {
+
+[[noreturn]] void throw_coordinate(double x, int axis);
+
+// Throws InvalidArgument for a coordinate that is not finite.
+inline void require_coordinate(double x, int axis) {
+  if (!std::isfinite(x)) [[unlikely]]
+    throw_coordinate(x, axis);
+}
+
+}  // namespace detail
+
+template <int D>
+class CartesianGrid {
+  static_assert(D >= 1 && D <= 3);
+
+ public:
+  CartesianGrid() = default;
+  // Throws InvalidArgument unless h is positive and finite, upper - lower is a whole number of
+  // cells on each axis, at least one and up to a millionth of it, and there are at most 2^32 - 2
+  // nodes.
+  CartesianGrid(const SpaceVector<D>& lower, const SpaceVector<D>& upper, double h)
+      : lower_(lower), h_(h) {
+    detail::require(h > 0 && std::isfinite(h), "grid spacing", h, "must be positive and finite");
+    nodes_.dimension = D;
+    for (int d = 0; d < D; ++d) {
+      const double cells = (upper[d] - lower[d]) / h;
+      detail::require(
+          cells > 0.5 && cells < 1e9 && std::abs(cells - std::round(cells)) < 1e-6 * cells,
+          "edge of the grid in cells", cells, "must be a whole number of cells, at least one");
+      cells_[d] = static_cast<int>(std::lround(cells));
+      nodes_.origin[d] = lower[d];
+      nodes_.spacing[d] = h;
+      nodes_.counts[d] = static_cast<std::size_t>(cells_[d]) + 1;
+    }
+    nodes_.validate();
+  }
+
+  double h() const { return h_; }
+  const SpaceVector<D>& lower() const { return lower_; }
+  double upper(int d) const { return lower_[d] + cells_[d] * h_; }
+  int cells(int d) const { return cells_[d]; }
+  std::size_t cell_count() const {
+    std::size_t count = 1;
+    for (const int cells : cells_) count *= static_cast<std::size_t>(cells);
+    return count;
+  }
+  std::size_t size() const { return nodes_.size(); }  // number of nodes
+  // The nodes as targets of a reconstruction.
+  const StructuredGrid<double>& nodes() const { return nodes_; }
+
+  // The index along axis d of the cell that x belongs to. Throws InvalidArgument for a coordinate
+  // that is not finite.
+  int cell(double x, int d) const {
+    detail::require_coordinate(x, d);
+    const double cell = std::floor((x - lower_[d]) / h_);
+    return static_cast<int>(std::clamp(cell, 0.0, cells_[d] - 1.0));
+  }
+  // The number of the cell of a point, anything with x[d]; the first axis runs fastest, as in
+  // cell_centres(nodes()).
+  template <class Point>
+  std::size_t cell_number(const Point& x) const {
+    std::size_t number = 0;
+    for (int d = D - 1; d >= 0; --d)
+      number =
+          number * static_cast<std::size_t>(cells_[d]) + static_cast<std::size_t>(cell(x[d], d));
+    return number;
+  }
+
+  // The coordinate along axis d of the nodes with index i there.
+  double node(int i, int d) const { return lower_[d] + i * h_; }
+  SpaceVector<D> position(std::size_t node) const {
+    const auto index = nodes_.index(node);
+    SpaceVector<D> x;
+    for (int d = 0; d < D; ++d) x[d] = this->node(static_cast<int>(index[d]), d);
+    return x;
+  }
+  // The number of the node with these indices.
+  std::uint32_t number(const std::array<int, D>& index) const {
+    std::size_t number = 0;
+    for (int d = D - 1; d >= 0; --d)
+      number = number * nodes_.counts[d] + static_cast<std::size_t>(index[d]);
+    return static_cast<std::uint32_t>(number);
+  }
+
+  // Whether a point lies in the box, up to a millionth of a cell; not so one that is not finite.
+  template <class Point>
+  bool contains(const Point& x) const {
+    for (int d = 0; d < D; ++d)
+      if (!(x[d] > lower_[d] - 1e-6 * h_ && x[d] < upper(d) + 1e-6 * h_)) return false;
+    return true;
+  }
+
+ private:
+  SpaceVector<D> lower_ = SpaceVector<D>::Zero();
+  double h_ = 1;
+  std::array<int, D> cells_{};
+  StructuredGrid<double> nodes_;
+};
+
+}  // namespace recon

@@ -1,0 +1,315 @@
+// The linear functions of a grid, averaged over what a particle is.
+//
+//     S_i = average of N_i over the domain ,   G_i = average of grad N_i over the domain
+//
+//   GimpFunctions   a box about x: uGIMP, whose box keeps its reference edges (Gong 2015, eq.
+//                   6.19), and cpGIMP, whose edges are stretched by the diagonal of F (Bardenhagen,
+//                   Kober 2004)
+//   Cpdi1Functions  a parallelepiped deformed by F, N_i interpolated between its corners
+//                   (Sadeghirad, Brannon, Burghardt 2011; Gong 2015, eq. 6.21-6.27)
+//   Cpdi2Functions  the quadrilateral or hexahedron of any corners (Sadeghirad, Brannon, Guilkey
+//                   2013; Gong 2015, eq. 6.28-6.32)
+//
+// sum_i S_i = 1, sum_i G_i = 0, and linear fields are interpolated exactly: sum_i S_i x_i is the
+// centroid of the domain. A domain may extend beyond the grid: the functions of the outermost cells
+// go on there.
+//
+// ```cpp
+//   const recon::CartesianGrid<2> grid({0, 0}, {1, 1}, h);
+//   recon::GimpFunctions::Nodes<2> at;  // of any number: a box may cover many cells
+//   recon::GimpFunctions{}.at(grid, recon::ugimp_domain<2>({0.3, 0.4}, half_edges), at);
+//   const double density = at.value(nodal_density);
+// ```
+//
+// H is the matrix of the half edges of the particle's reference domain, in columns, F its
+// deformation gradient. Corner number a of a domain lies on the positive side of half edge d where
+// bit d of a is set. Functions as in point_functions.hpp, where the points are; their `at` takes a
+// domain for the point.
+#pragma once
+
+#include <Eigen/LU>
+#include <vector>
+
+#include "recon/transfer/point_functions.hpp"
+
+namespace recon {
+
+template <int D>
+struct BoxDomain {
+  SpaceVector<D> x, half_edges;  // length
+};
+template <int D>
+struct ParallelepipedDomain {
+  SpaceVector<D> x;
+  SpaceMatrix<D> half_edges;  // columns: F H
+};
+template <int D>
+using DomainCorners = std::array<SpaceVector<D>, 1 << D>;
+
+// The box of uGIMP: H counts with the box about it where its edges are not along the axes.
+template <int D>
+BoxDomain<D> ugimp_domain(const SpaceVector<D>& x, const SpaceMatrix<D>& H) {
+  BoxDomain<D> box{x, {}};
+  for (int d = 0; d < D; ++d) box.half_edges[d] = H.row(d).cwiseAbs().sum();
+  return box;
+}
+// That of cpGIMP.
+template <int D>
+BoxDomain<D> cpgimp_domain(const SpaceVector<D>& x, const SpaceMatrix<D>& H,
+                           const SpaceMatrix<D>& F) {
+  BoxDomain<D> box = ugimp_domain<D>(x, H);
+  for (int d = 0; d < D; ++d) box.half_edges[d] *= std::abs(F(d, d));
+  return box;
+}
+
+template <int D>
+DomainCorners<D> corners_of(const ParallelepipedDomain<D>& domain) {
+  DomainCorners<D> at;
+  for (int a = 0; a < 1 << D; ++a) {
+    at[a] = domain.x;
+    for (int d = 0; d < D; ++d) at[a] += (a >> d & 1 ? 1.0 : -1.0) * domain.half_edges.col(d);
+  }
+  return at;
+}
+
+namespace detail {
+
+// The nodes of a box on one axis; more would be no particle.
+inline constexpr int widest_box = 34;
+
+// The averages over [x - l, x + l], summed cell by cell. The outermost cells continue
+// beyond the grid.
+template <int D>
+AxisFunctions<AtMost<widest_box>> average(const CartesianGrid<D>& grid, int d, double x, double l) {
+  AxisFunctions<AtMost<widest_box>> axis;
+  const double h = grid.h();
+  const int last = grid.cell(x + l, d);
+  axis.first = grid.cell(x - l, d);
+  axis.count = last - axis.first + 2;
+  require(axis.count <= widest_box && l > 0, "particle domain in cells", 2 * l / h,
+          "must be positive and at most 32 along an axis");
+  std::fill_n(axis.S.begin(), axis.count, 0.0);
+  std::fill_n(axis.G.begin(), axis.count, 0.0);
+  for (int c = axis.first; c <= last; ++c) {
+    const double begin = c == axis.first ? x - l : grid.node(c, d);
+    const double end = c == last ? x + l : grid.node(c + 1, d);
+    const double part = (end - begin) / (2 * l);
+    const double xi = ((begin + end) / 2 - grid.node(c, d)) / h;
+    const int k = c - axis.first;
+    axis.S[k] += part * (1 - xi);
+    axis.S[k + 1] += part * xi;
+    axis.G[k] -= part / h;
+    axis.G[k + 1] += part / h;
+  }
+  return axis;
+}
+
+// The nodes that the corners of a domain see: those of the box around them or, where that box is
+// larger than this, those of each corner by itself.
+template <int D>
+inline constexpr int most_gathered = 2 << 2 * D;
+
+// Sums over the corners a of a domain, S_i = sum_a weight_a N_i(corner_a) and G_i = sum_a slope_a
+// N_i(corner_a): one entry for each node of the box around the corners or, where that box is large,
+// one for each corner and node.
+template <int D, class Count>
+void from_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
+                  const std::array<double, 1 << D>& weight,
+                  const std::array<SpaceVector<D>, 1 << D>& slope, NodeFunctions<D, Count>& out) {
+  static_assert(takes<Count, AtMost<most_gathered<D>>>,
+                "these functions have more nodes than the object takes: use their type Nodes<D>");
+  constexpr int corner_count = 1 << D;
+  std::array<std::array<int, D>, corner_count> cell;
+  std::array<int, D> first, count;
+  std::size_t nodes = 1;
+  for (int d = 0; d < D; ++d) {
+    int last = 0;
+    for (int a = 0; a < corner_count; ++a) {
+      cell[a][d] = grid.cell(corners[a][d], d);
+      first[d] = a == 0 ? cell[a][d] : std::min(first[d], cell[a][d]);
+      last = a == 0 ? cell[a][d] : std::max(last, cell[a][d]);
+    }
+    count[d] = last - first[d] + 2;
+    nodes *= static_cast<std::size_t>(count[d]);
+  }
+  const bool gathered = nodes <= static_cast<std::size_t>(most_gathered<D>);
+  out.resize(gathered ? nodes : static_cast<std::size_t>(corner_count) * corner_count);
+  if (gathered) {
+    std::array<int, D> index = first;
+    for (std::size_t n = 0; n < nodes; ++n) {
+      out.node[n] = grid.number(index);
+      out.S[n] = 0;
+      out.G[n].setZero();
+      for (int d = 0; d < D && ++index[d] == first[d] + count[d]; ++d) index[d] = first[d];
+    }
+  }
+  for (int a = 0; a < corner_count; ++a) {
+    SpaceVector<D> xi;
+    for (int d = 0; d < D; ++d) xi[d] = (corners[a][d] - grid.node(cell[a][d], d)) / grid.h();
+    for (int b = 0; b < corner_count; ++b) {
+      double N = 1;
+      std::size_t n = 0;
+      std::array<int, D> index;
+      for (int d = D - 1; d >= 0; --d) {
+        const int upper = b >> d & 1;
+        N *= upper ? xi[d] : 1 - xi[d];
+        index[d] = cell[a][d] + upper;
+        n = n * static_cast<std::size_t>(count[d]) + static_cast<std::size_t>(index[d] - first[d]);
+      }
+      if (!gathered) {
+        n = static_cast<std::size_t>(a * corner_count + b);
+        out.node[n] = grid.number(index);
+        out.S[n] = 0;
+        out.G[n].setZero();
+      }
+      out.S[n] += weight[a] * N;
+      out.G[n] += N * slope[a];
+    }
+  }
+}
+
+// The nodes along an axis of what extends by `reach` to both sides of x.
+template <int D>
+std::pair<int, int> nodes_within(const CartesianGrid<D>& grid, double x, double reach, int d) {
+  return {grid.cell(x - reach, d), grid.cell(x + reach, d) + 1};
+}
+
+}  // namespace detail
+
+// Throws InvalidArgument for half edges that are not positive or reach over more than 32 cells.
+struct GimpFunctions {
+  template <int D>
+  using Nodes = NodeFunctions<D>;
+
+  // Not inlined: where all calls of a loop over particles are, it would be a quarter slower.
+  template <int D>
+  [[gnu::noinline]] static void at(const CartesianGrid<D>& grid, const BoxDomain<D>& box,
+                                   NodeFunctions<D>& out) {
+    std::array<detail::AxisFunctions<AtMost<detail::widest_box>>, D> axes;
+    for (int d = 0; d < D; ++d) axes[d] = detail::average(grid, d, box.x[d], box.half_edges[d]);
+    detail::tensor_product<D>(grid, axes, out);
+  }
+  template <int D>
+  static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid, const BoxDomain<D>& box,
+                                         int d) {
+    return detail::nodes_within(grid, box.x[d], box.half_edges[d], d);
+  }
+};
+
+// With x' = x + F H xi, xi in [-1, 1]^D: the function of a corner has the average 1 / 2^D, and its
+// gradient the average (F H)^-T s / 2^D, with s the signs of the corner. Throws InvalidArgument for
+// a domain without volume.
+struct Cpdi1Functions {
+  template <int D>
+  using Nodes = NodeFunctions<D, AtMost<detail::most_gathered<D>>>;
+
+  template <int D, class Count>
+  static void at(const CartesianGrid<D>& grid, const ParallelepipedDomain<D>& domain,
+                 NodeFunctions<D, Count>& out) {
+    constexpr int corner_count = 1 << D;
+    const SpaceMatrix<D> turned = domain.half_edges.inverse() / corner_count;
+    detail::require(turned.allFinite(), "determinant of the half edges of a particle domain",
+                    domain.half_edges.determinant(), "must be finite and not zero");
+    std::array<double, corner_count> weight;
+    std::array<SpaceVector<D>, corner_count> slope;
+    for (int a = 0; a < corner_count; ++a) {
+      SpaceVector<D> sign;
+      for (int d = 0; d < D; ++d) sign[d] = a >> d & 1 ? 1 : -1;
+      weight[a] = 1.0 / corner_count;
+      slope[a] = turned.transpose() * sign;
+    }
+    detail::from_corners<D>(grid, corners_of(domain), weight, slope, out);
+  }
+  template <int D>
+  static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
+                                         const ParallelepipedDomain<D>& domain, int d) {
+    return detail::nodes_within(grid, domain.x[d], domain.half_edges.row(d).cwiseAbs().sum(), d);
+  }
+};
+
+// The cell that corners span, with the averages of their multilinear functions (`weight`, which sum
+// to one) and of the gradients of these (`slope`, 1 / length, which sum to zero) over it. Two Gauss
+// points an axis are exact (they replace Gong 2015, eq. 6.29-6.32, of which the first two are
+// misprinted: docs/misprints.md, G23). The volume is negative where the corners are turned inside
+// out. Throws InvalidArgument where it is zero or not finite.
+template <int D>
+struct CornerDomain {
+  DomainCorners<D> corners;
+  std::array<double, 1 << D> weight{};
+  std::array<SpaceVector<D>, 1 << D> slope;
+  double volume = 0;  // length^D
+
+  explicit CornerDomain(const DomainCorners<D>& at) : corners(at) {
+    constexpr int count = 1 << D;
+    slope.fill(SpaceVector<D>::Zero());
+    for (int g = 0; g < count; ++g) {
+      SpaceMatrix<D> J = SpaceMatrix<D>::Zero();
+      for (int a = 0; a < count; ++a) J += corners[a] * gauss().local[g][a].transpose();
+      const double part = J.determinant();
+      const SpaceMatrix<D> turned = J.inverse().transpose() * part;
+      volume += part;
+      for (int a = 0; a < count; ++a) {
+        weight[a] += part * gauss().N[g][a];
+        slope[a] += turned * gauss().local[g][a];
+      }
+    }
+    detail::require(volume != 0 && std::isfinite(volume), "volume of a particle domain", volume,
+                    "must be finite and not zero: its corners must span a cell");
+    for (int a = 0; a < count; ++a) {
+      weight[a] /= volume;
+      slope[a] /= volume;
+    }
+  }
+
+  SpaceVector<D> centroid() const {
+    SpaceVector<D> sum = SpaceVector<D>::Zero();
+    for (int a = 0; a < (1 << D); ++a) sum += weight[a] * corners[a];
+    return sum;
+  }
+
+ private:
+  // The function of corner a at Gauss point g, and its gradient in [-1, 1]^D.
+  struct Gauss {
+    double N[1 << D][1 << D];
+    SpaceVector<D> local[1 << D][1 << D];
+    Gauss() {
+      for (int g = 0; g < 1 << D; ++g)
+        for (int a = 0; a < 1 << D; ++a) {
+          N[g][a] = 1;
+          local[g][a].setOnes();
+          for (int d = 0; d < D; ++d) {
+            const double xi = (g >> d & 1 ? 1 : -1) / std::sqrt(3.0), sign = a >> d & 1 ? 1 : -1;
+            N[g][a] *= (1 + sign * xi) / 2;
+            for (int e = 0; e < D; ++e) local[g][a][e] *= e == d ? sign / 2 : (1 + sign * xi) / 2;
+          }
+        }
+    }
+  };
+  static const Gauss& gauss() {
+    static const Gauss made;
+    return made;
+  }
+};
+
+struct Cpdi2Functions {
+  template <int D>
+  using Nodes = NodeFunctions<D, AtMost<detail::most_gathered<D>>>;
+
+  template <int D, class Count>
+  static void at(const CartesianGrid<D>& grid, const CornerDomain<D>& domain,
+                 NodeFunctions<D, Count>& out) {
+    detail::from_corners<D>(grid, domain.corners, domain.weight, domain.slope, out);
+  }
+  template <int D>
+  static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
+                                         const CornerDomain<D>& domain, int d) {
+    std::pair<int, int> nodes{grid.cells(d), 0};
+    for (const SpaceVector<D>& corner : domain.corners) {
+      const int cell = grid.cell(corner[d], d);
+      nodes = {std::min(nodes.first, cell), std::max(nodes.second, cell + 1)};
+    }
+    return nodes;
+  }
+};
+
+}  // namespace recon

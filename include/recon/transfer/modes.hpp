@@ -1,0 +1,155 @@
+// Polynomials about a particle that are orthogonal under its functions S_i, for maps that carry
+// more than a velocity: APIC (Jiang et al. 2015) and PolyPIC (Fu et al. 2017).
+//
+// On each axis s_0 = 1, s_1 = d, s_2 = d^2 - kappa d - nu with d = x_i - x and sum_i S_i s_r s_q
+// = 0; in D dimensions the products of these. For quadratic splines inside the grid nu = h^2 / 4
+// and kappa = z (h^2 - 4 z^2) / h^2 with z = x less the nearest node: the closed forms of the
+// sources. Here they are built from the functions S_i themselves, so that they hold for all
+// functions that are positive products, and also next to a face, where splines are different. A
+// particle keeps the coefficients
+//     c_r = sum_i S_i s_r(x_i) u_i / norm_r ,   norm_r = sum_i S_i s_r(x_i)^2 ,
+// and its field is u + sum_r c_r s_r: with u the value of the nodes, the best approximation of
+// their data in the weights S_i. The coefficients move with the particle to places where norm_r
+// differs; norm_1 is the same everywhere inside the grid, so angular momentum is kept.
+//
+// ```cpp
+//   const recon::CartesianGrid<2> grid({0, 0}, {1, 1}, h);
+//   const recon::SplineFunctions<2> spline;
+//   recon::SplineFunctions<2>::Nodes<2> at;
+//   spline.at(grid, x, at);
+//   recon::PolynomialModes<2> modes;
+//   modes.fill(grid, spline.axes(grid, x), x, recon::ModeSet::affine);
+//   const double slope_x = modes.coefficient(0, at, nodal_density);  // per length
+//   const double seen_by_its_first_node = at.value(nodal_density) + slope_x * modes.value(0, 0);
+// ```
+//
+// s_r and norm_r have the unit length^(r_1 + .. + r_D), norm_r that squared. Nothing is allocated.
+#pragma once
+
+#include "recon/transfer/point_functions.hpp"
+
+namespace recon {
+
+// affine: s_1 of each axis; that of axis d has number d. polynomial: all products of the s_(r_d)
+// with r_d = 0, 1, 2 but the constant; number sum_d r_d 3^d - 1.
+enum class ModeSet { affine, polynomial };
+
+// The number of modes beyond the constant.
+constexpr int mode_count(ModeSet set, int dimension) {
+  if (set == ModeSet::affine) return dimension;
+  return dimension == 1 ? 2 : dimension == 2 ? 8 : 26;
+}
+// The number of s_1 of an axis.
+constexpr int linear_mode(ModeSet set, int axis) {
+  if (set == ModeSet::affine) return axis;
+  return axis == 0 ? 0 : axis == 1 ? 2 : 8;
+}
+
+template <int D>
+class PolynomialModes {
+ public:
+  // The modes about x of the product of these functions (ProductFunctions::axes()), at most four
+  // on an axis.
+  template <class Count, class Point>
+  void fill(const CartesianGrid<D>& grid, const std::array<detail::AxisFunctions<Count>, D>& axes,
+            const Point& x, ModeSet set) {
+    static_assert(Count::most <= widest);
+    std::array<Axis, D> of;
+    nodes_ = 1;
+    for (int d = 0; d < D; ++d) {
+      of[d] = modes_of(grid, axes[d], x[d], d);
+      nodes_ *= static_cast<std::size_t>(axes[d].count);
+    }
+    count_ = mode_count(set, D);
+    for (int r = 0; r < count_; ++r) {
+      std::array<int, D> degree{};
+      if (set == ModeSet::affine)
+        degree[static_cast<std::size_t>(r)] = 1;
+      else
+        for (int d = 0, rest = r + 1; d < D; ++d, rest /= 3) degree[d] = rest % 3;
+      norm_[r] = 1;
+      for (int d = 0; d < D; ++d) norm_[r] *= of[d].norm[degree[d]];
+      std::array<int, D> k{};
+      for (std::size_t n = 0; n < nodes_; ++n) {
+        double value = 1;
+        for (int d = 0; d < D; ++d) value *= of[d].value[degree[d]][k[d]];
+        value_[static_cast<std::size_t>(r) * nodes_ + n] = value;
+        for (int d = 0; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
+      }
+    }
+  }
+
+  int count() const { return count_; }
+  // norm_r; 0 where the functions S_i cannot tell the polynomial from those before it.
+  double norm(int r) const { return norm_[static_cast<std::size_t>(r)]; }
+  // s_r at node n, in the order of NodeFunctions.
+  double value(int r, std::size_t n) const {
+    return value_[static_cast<std::size_t>(r) * nodes_ + n];
+  }
+
+  // c_r of nodal data u; zero where norm_r is.
+  template <class Nodes, class Values>
+  auto coefficient(int r, const Nodes& at, const Values& u) const {
+    using Element = detail::ElementOf<const Values>;
+    auto sum = Element::zero();
+    if (!(norm(r) > 0)) return sum;
+    for (std::size_t k = 0; k < at.size(); ++k)
+      Element::add(sum, at.S[k] * value(r, k), detail::nodal(u, at.node[k]));
+    return Element::divided(sum, norm(r));
+  }
+  // shown[n] += sum_r c_r s_r at node n, for the `size` nodes of the particle.
+  template <class Shown, class Coefficients>
+  void add_to(Shown& shown, std::size_t size, const Coefficients& c) const {
+    for (int r = 0; r < count_; ++r)
+      if (norm(r) > 0)
+        for (std::size_t n = 0; n < size; ++n)
+          detail::ElementOf<Shown>::add(shown[n], value(r, n), c[r]);
+  }
+
+ private:
+  static constexpr int widest = 4;  // nodes of a spline on an axis
+  struct Axis {
+    double norm[3];
+    double value[3][widest];
+  };
+
+  template <class Count>
+  static Axis modes_of(const CartesianGrid<D>& grid, const detail::AxisFunctions<Count>& axis,
+                       double x, int d) {
+    constexpr double least_linear = 1e-12, least_quadratic = 1e-6;
+    const double h = grid.h();
+    Axis modes{};
+    double mean = 0;
+    for (int k = 0; k < axis.count; ++k) {
+      modes.value[0][k] = 1;
+      modes.value[1][k] = grid.node(axis.first + k, d) - x;
+      modes.norm[0] += axis.S[k];
+      mean += axis.S[k] * modes.value[1][k];
+    }
+    mean /= modes.norm[0];
+    double third = 0;
+    for (int k = 0; k < axis.count; ++k) {
+      double& s = modes.value[1][k];
+      s -= mean;
+      modes.norm[1] += axis.S[k] * s * s;
+      third += axis.S[k] * s * s * s;
+    }
+    if (!(modes.norm[1] > least_linear * h * h)) modes.norm[1] = 0;
+    if (modes.norm[1] == 0) return modes;
+    for (int k = 0; k < axis.count; ++k) {
+      const double s = modes.value[1][k];
+      modes.value[2][k] = s * s - third / modes.norm[1] * s - modes.norm[1] / modes.norm[0];
+      modes.norm[2] += axis.S[k] * modes.value[2][k] * modes.value[2][k];
+    }
+    if (!(modes.norm[2] > least_quadratic * h * h * h * h)) modes.norm[2] = 0;
+    return modes;
+  }
+
+  static constexpr int most_modes = mode_count(ModeSet::polynomial, D);
+  int count_ = 0;
+  std::size_t nodes_ = 0;
+  std::array<double, most_modes> norm_;
+  std::array<double, most_modes * detail::to_the_power<widest>(D)> value_;
+};
+
+}  // namespace recon

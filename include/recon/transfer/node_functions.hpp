@@ -1,0 +1,295 @@
+// What a particle sees of the grid: nodes i with S_i and G_i, the value and the gradient of their
+// functions N_i at the particle or averaged over its domain, and the two ways along them:
+//
+//     to the particle   value(u)    = sum_i S_i u_i ,  gradient(u) = sum_i u_i (x) G_i
+//     to the nodes      add(u, a):    u_i += S_i a ,   add_gradient(u, P): u_i += P G_i
+//
+// add() is the transpose of value(), and add_gradient() that of gradient(): with u zero before,
+// sum_i u_i . w_i is a . value(w) and P : gradient(w) for any nodal w. The internal force of the
+// material point method is add_gradient(force, -volume * stress) (Sulsky, Chen, Schreyer 1994).
+//
+// ```cpp
+//   const recon::CartesianGrid<2> grid({0, 0}, {1, 1}, h);
+//   std::vector<std::array<double, 2>> nodal_velocity(grid.size());
+//   recon::LinearFunctions::Nodes<2> at;
+//   recon::LinearFunctions{}.at(grid, x, at);  // x: anything with x[0] and x[1]
+//   const std::array<double, 2> v = at.value(nodal_velocity);
+//   const Eigen::Matrix2d L = at.gradient(nodal_velocity);  // L(a, d) = d v_a / d x_d
+// ```
+//
+// Nodal data are arrays of yours: anything with u[i], or a function u(i), for the number i of a
+// node. An element is a float or double, a std::array of such or a vector of Eigen (of fixed size);
+// value() returns the like. S has no unit, G is 1 / length. How many nodes there are is part of the
+// type where it is known, so that nothing is allocated for a particle.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <type_traits>
+#include <vector>
+
+#include "recon/transfer/cartesian_grid.hpp"
+
+namespace recon {
+
+// A number of nodes: always N, never more than N, or not known before.
+template <int N>
+struct Exactly {
+  static constexpr int most = N;
+};
+template <int N>
+struct AtMost {
+  static constexpr int most = N;
+};
+struct AnyNumber {};
+
+namespace detail {
+
+template <int N>
+constexpr int to_the_power(int D) {
+  return D == 0 ? 1 : N * to_the_power<N>(D - 1);
+}
+
+// The number of nodes of a product of the functions of D axes.
+template <class Count, int D>
+struct Product;
+template <int N, int D>
+struct Product<Exactly<N>, D> {
+  using Count = Exactly<to_the_power<N>(D)>;
+};
+template <int N, int D>
+struct Product<AtMost<N>, D> {
+  using Count = AtMost<to_the_power<N>(D)>;
+};
+
+// Whether an object for `Room` many nodes can take `Count` many.
+template <class Room, class Count>
+inline constexpr bool takes = false;
+template <class Count>
+inline constexpr bool takes<AnyNumber, Count> = true;
+template <int N>
+inline constexpr bool takes<Exactly<N>, Exactly<N>> = true;
+template <int M, int N>
+inline constexpr bool takes<AtMost<M>, Exactly<N>> = N <= M;
+template <int M, int N>
+inline constexpr bool takes<AtMost<M>, AtMost<N>> = N <= M;
+
+// The functions of one axis at `count` consecutive nodes from `first` on.
+template <class Count>
+struct AxisFunctions;
+template <int N>
+struct AxisFunctions<Exactly<N>> {
+  static constexpr int count = N;
+  static void set_count(int) {}
+  int first = 0;
+  std::array<double, N> S, G;
+};
+template <int N>
+struct AxisFunctions<AtMost<N>> {
+  void set_count(int to) { count = to; }
+  int first = 0, count = 0;
+  std::array<double, N> S, G;
+};
+
+template <int D, class Count>
+struct NodeArrays;
+template <int D, int N>
+struct NodeArrays<D, Exactly<N>> {
+  std::array<std::uint32_t, N> node;
+  std::array<double, N> S;
+  std::array<SpaceVector<D>, N> G;
+  static void resize(std::size_t) {}
+  static constexpr std::size_t size() { return N; }
+};
+template <int D, int N>
+struct NodeArrays<D, AtMost<N>> {
+  std::array<std::uint32_t, N> node;
+  std::array<double, N> S;
+  std::array<SpaceVector<D>, N> G;
+  void resize(std::size_t count) { size_ = count; }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::size_t size_ = 0;
+};
+template <int D>
+struct NodeArrays<D, AnyNumber> {
+  std::vector<std::uint32_t> node;
+  std::vector<double> S;
+  std::vector<SpaceVector<D>> G;
+  void resize(std::size_t count) {  // keeps the memory
+    node.resize(count);
+    S.resize(count);
+    G.resize(count);
+  }
+  std::size_t size() const { return node.size(); }
+};
+
+// Nodal data: u[i], or u(i).
+template <class Values>
+decltype(auto) nodal(Values& u, std::uint32_t i) {
+  if constexpr (requires { u[i]; })
+    return u[i];
+  else
+    return u(i);
+}
+
+// What an element of nodal data is to sums: a number, a std::array, or a vector of Eigen.
+template <class T>
+struct Element {
+  static_assert(std::is_floating_point_v<T>,
+                "an element of nodal data is a floating-point number, a std::array of such or a "
+                "vector of Eigen");
+  static T zero() { return 0; }
+  template <int D>
+  using Gradient = SpaceVector<D>;
+  static void add(T& sum, double factor, const T& value) {
+    sum = static_cast<T>(sum + factor * value);
+  }
+  static T divided(const T& value, double by) { return static_cast<T>(value / by); }
+  template <int D>
+  static void add_gradient(SpaceVector<D>& sum, const T& value, const SpaceVector<D>& G) {
+    sum += value * G;
+  }
+  template <class P, int D>
+  static void add_flux(T& sum, const P& flux, const SpaceVector<D>& G) {
+    sum = static_cast<T>(sum + flux.dot(G));
+  }
+};
+template <class T, std::size_t C>
+struct Element<std::array<T, C>> {
+  using Value = std::array<T, C>;
+  static Value zero() { return {}; }
+  template <int D>
+  using Gradient = Eigen::Matrix<double, static_cast<int>(C), D>;
+  template <class Amount>
+  static void add(Value& sum, double factor, const Amount& value) {
+    for (std::size_t c = 0; c < C; ++c) sum[c] = static_cast<T>(sum[c] + factor * value[c]);
+  }
+  static Value divided(Value value, double by) {
+    for (T& component : value) component = static_cast<T>(component / by);
+    return value;
+  }
+  template <int D>
+  static void add_gradient(Gradient<D>& sum, const Value& value, const SpaceVector<D>& G) {
+    for (std::size_t c = 0; c < C; ++c) sum.row(static_cast<int>(c)) += value[c] * G.transpose();
+  }
+  template <class P, int D>
+  static void add_flux(Value& sum, const P& flux, const SpaceVector<D>& G) {
+    for (std::size_t c = 0; c < C; ++c)
+      sum[c] = static_cast<T>(sum[c] + flux.row(static_cast<int>(c)).dot(G));
+  }
+};
+template <class T>
+requires requires {
+  typename T::PlainObject;
+}
+struct Element<T> {
+  using Value = typename T::PlainObject;
+  static_assert(Value::SizeAtCompileTime > 0, "vectors of nodal data have a fixed size");
+  static Value zero() { return Value::Zero(); }
+  template <int D>
+  using Gradient = Eigen::Matrix<double, Value::SizeAtCompileTime, D>;
+  template <class Sum, class Amount>
+  static void add(Sum&& sum, double factor, const Amount& value) {
+    sum += factor * value;
+  }
+  static Value divided(const Value& value, double by) { return value / by; }
+  template <int D>
+  static void add_gradient(Gradient<D>& sum, const T& value, const SpaceVector<D>& G) {
+    sum += value * G.transpose();
+  }
+  template <class Sum, class P, int D>
+  static void add_flux(Sum&& sum, const P& flux, const SpaceVector<D>& G) {
+    sum += flux * G;
+  }
+};
+template <class Values>
+using ElementOf =
+    Element<std::remove_cvref_t<decltype(nodal(std::declval<Values&>(), std::uint32_t{}))>>;
+
+}  // namespace detail
+
+// The nodes of a particle, with the members
+//     node   their numbers; with corner domains one may occur more than once
+//     S, G   values and gradients
+//     size() how many there are
+// The default holds whatever any functions give, in memory of the heap that it keeps; functions
+// name the type that they need no more than (LinearFunctions::Nodes<D>), which needs none.
+template <int D, class Count = AnyNumber>
+struct NodeFunctions : detail::NodeArrays<D, Count> {
+  using detail::NodeArrays<D, Count>::node;
+  using detail::NodeArrays<D, Count>::S;
+  using detail::NodeArrays<D, Count>::G;
+  using detail::NodeArrays<D, Count>::size;
+
+  // sum_i S_i u_i
+  template <class Values>
+  auto value(const Values& u) const {
+    using Element = detail::ElementOf<const Values>;
+    auto sum = Element::zero();
+    for (std::size_t k = 0; k < size(); ++k) Element::add(sum, S[k], detail::nodal(u, node[k]));
+    return sum;
+  }
+  // sum_i u_i (x) G_i: of numbers a vector, of vectors with C components a C x D matrix with the
+  // entries d u_c / d x_d.
+  template <class Values>
+  auto gradient(const Values& u) const {
+    using Element = detail::ElementOf<const Values>;
+    using Gradient = typename Element::template Gradient<D>;
+    Gradient sum = Gradient::Zero();
+    for (std::size_t k = 0; k < size(); ++k)
+      Element::template add_gradient<D>(sum, detail::nodal(u, node[k]), G[k]);
+    return sum;
+  }
+  // u_i += S_i amount, where the amount is what the elements of u are.
+  template <class Values, class Amount>
+  void add(Values&& u, const Amount& amount) const {
+    for (std::size_t k = 0; k < size(); ++k)
+      detail::ElementOf<Values>::add(detail::nodal(u, node[k]), S[k], amount);
+  }
+  // u_i += flux G_i, where the flux is what gradient(u) would be: a vector of Eigen for numbers
+  // u_i, a C x D matrix for vectors.
+  template <class Values, class Flux>
+  void add_gradient(Values&& u, const Flux& flux) const {
+    for (std::size_t k = 0; k < size(); ++k)
+      detail::ElementOf<Values>::add_flux(detail::nodal(u, node[k]), flux, G[k]);
+  }
+};
+
+namespace detail {
+
+// The products of the functions of all axes; the first axis runs fastest.
+template <int D, class Axis, class Count>
+void tensor_product(const CartesianGrid<D>& grid, const std::array<AxisFunctions<Axis>, D>& axes,
+                    NodeFunctions<D, Count>& out) {
+  std::size_t count = 1;
+  for (const auto& axis : axes) count *= static_cast<std::size_t>(axis.count);
+  out.resize(count);
+  const AxisFunctions<Axis>& line = axes[0];
+  std::array<int, D> k{}, index;
+  index[0] = line.first;
+  for (std::size_t n = 0; n < count;) {
+    // The product over the other axes, and the products in which one factor is a derivative.
+    double S = 1;
+    SpaceVector<D> G = SpaceVector<D>::Ones();
+    for (int d = 1; d < D; ++d) {
+      const double value = axes[d].S[k[d]];
+      index[d] = axes[d].first + k[d];
+      S *= value;
+      for (int e = 1; e < D; ++e) G[e] *= e == d ? axes[d].G[k[d]] : value;
+    }
+    const std::uint32_t first = grid.number(index);
+    for (int i = 0; i < line.count; ++i, ++n) {
+      out.node[n] = first + static_cast<std::uint32_t>(i);
+      out.S[n] = line.S[i] * S;
+      out.G[n][0] = line.G[i] * S;
+      for (int e = 1; e < D; ++e) out.G[n][e] = line.S[i] * G[e];
+    }
+    for (int d = 1; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
+  }
+}
+
+}  // namespace detail
+
+}  // namespace recon
