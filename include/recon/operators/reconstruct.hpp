@@ -19,7 +19,8 @@
 //
 // A Reconstruction owns what it needs: your arrays may change or go once it is made. To follow
 // moving particles, make it from Sources (neighbourhood/sources.hpp) and update both. Memory: about
-// 12 bytes (double) per target and neighbour, plus the coordinates.
+// 12 bytes (double) per target and neighbour, and for coordinates, order and search 60 bytes per
+// particle and 50 per target in 3-D.
 #pragma once
 
 #include <Eigen/Core>
