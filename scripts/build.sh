@@ -4,6 +4,7 @@
 #   step "what is being done" LOG command...   one line of progress; the log only where it fails
 #   build_preset PRESET [target...]            into build/PRESET; all that is built by default, or the targets
 #   test_preset PRESET [ctest arguments]       ctest, with the exit status of ctest
+#   leak_detection_works                       of clang's address sanitizer, here
 
 jobs=$(nproc 2>/dev/null || echo 2)
 
@@ -48,4 +49,16 @@ test_preset() {
   # Threads that wait must not keep the cores of other tests busy.
   OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive} \
     ctest --preset "$preset" -j "$jobs" --no-tests=error "${progress[@]}" "$@"
+}
+
+# Leaks are looked for where the sanitizer can: not under a debugger, nor in every container.
+leak_detection_works() {
+  local dir
+  dir=$(mktemp -d)
+  echo 'int main() { return 0; }' >"$dir/probe.cpp"
+  clang++ -fsanitize=address "$dir/probe.cpp" -o "$dir/probe" 2>/dev/null &&
+    ASAN_OPTIONS=detect_leaks=1 "$dir/probe" >/dev/null 2>&1
+  local works=$?
+  rm -r "$dir"
+  return $works
 }
