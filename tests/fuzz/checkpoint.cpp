@@ -3,6 +3,8 @@
 // the fuzzer's instruments; this is a program of its own so that its faults are seen as such.
 //
 // The input is what follows the seal. With RECON_FUZZ_SEEDS a folder, a first seed is put there.
+#include <unistd.h>
+
 #include <stdlib.h>
 
 #include <cstddef>
@@ -49,18 +51,25 @@ void two_steps(recon::mpm::Simulation<2>& simulation) {
   for (int s = 0; s < 2; ++s) simulation.step(simulation.choose_step().dt);
 }
 
-// A file of this process, in memory where there is such a place.
-fs::path file_name() {
-  static const fs::path path = [] {
+// A file of this process, in memory where there is such a place; removed with its owner.
+struct TemporaryFile {
+  fs::path path;
+
+  TemporaryFile() {
     std::string name =
         (fs::is_directory("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
         "recon-fuzz-XXXXXX";
     const int descriptor = mkstemp(name.data());
     if (descriptor < 0) abort();
-    std::atexit([] { fs::remove(file_name()); });
-    return fs::path(name);
-  }();
-  return path;
+    close(descriptor);
+    path = name;
+  }
+  ~TemporaryFile() { fs::remove(path); }
+};
+
+const fs::path& file_name() {
+  static const TemporaryFile file;
+  return file.path;
 }
 
 }  // namespace
