@@ -229,7 +229,10 @@ class Product {
         limit_(how.limit),
         trusted_(how.data == Data::trusted && how.limit == Limit::none),
         limited_(limited) {
-    if (limit_ != Limit::none) all_ = ranges_of(field, threads);
+    if (limit_ == Limit::relaxed)
+      all_ = ranges_of(field, threads);
+    else if (limit_ == Limit::range)  // needs no more than the data of each row
+      all_.resize(static_cast<std::size_t>(components_));
   }
 
   void rows(std::size_t begin, std::size_t end) const {

@@ -49,6 +49,7 @@ void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, const Neighbour
   require_dimension(targets);
   require_valid_rule<Scalar>(asked, targets.size());
   cloud_->take_targets(targets, "targets", options_.threads, incoming_);
+  rule_before_ = options_.neighbours;
   options_.neighbours = asked;
   if (const auto* given = std::get_if<Radii>(&asked)) {
     if (given->radii.data() != radii_.data())
@@ -72,6 +73,31 @@ void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, NeighbourList<S
 template <class Scalar>
 void FitProblem<Scalar>::fit(Array<Scalar> values) {
   values_ = std::move(values);
+  try {
+    fit_taken();
+  } catch (...) {
+    abandon();
+    throw;
+  }
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::abandon() {
+  if (!std::holds_alternative<Radii>(rule_before_)) options_.neighbours = rule_before_;
+  targets_ = PointCloud<Scalar>();
+  target_of_.clear();
+  neighbours_ = {};
+  values_.clear();
+  row_reports_.clear();
+  reports_ = {};
+  nearest_rows_.clear();
+  too_far_.clear();
+  pattern_ = std::make_shared<SparsityPattern<Scalar>>();
+  make_pattern();
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::fit_taken() {
   if (pattern_ && pattern_.use_count() == 1) {
     neighbours_ = std::move(pattern_->neighbours);
     target_of_ = std::move(pattern_->target_of);

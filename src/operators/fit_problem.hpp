@@ -30,6 +30,7 @@ class FitProblem {
   void take(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours);
   // Finds the neighbours of the targets taken and fits, into the memory of older values and of a
   // pattern that nobody else holds.
+  // Where the search or a fit throws, there are no targets afterwards, and the rule of before holds.
   void fit(Array<Scalar> values);
 
   // Gives back the memory that is kept for the next fit.
@@ -51,6 +52,8 @@ class FitProblem {
   void derivatives(Derivative kind, Array<Scalar>* first, Array<Scalar>* second) const;
 
  private:
+  void fit_taken();
+  void abandon();
   void require_dimension(const PointsView<Scalar>& targets) const;
   void order_targets();
   void make_pattern();
@@ -74,8 +77,9 @@ class FitProblem {
   void use_nearest(const NeighbourOptions& search);
 
   std::shared_ptr<const Cloud<Scalar>> cloud_;
-  Options options_;              // refers to radii_ where its rule is Radii
-  std::vector<double> radii_;    // of the caller's targets
+  Options options_;            // refers to radii_ where its rule is Radii
+  std::vector<double> radii_;  // of the caller's targets
+  NeighbourRule rule_before_ = Nearest{1};
   NeighbourList<Scalar> given_;  // the caller's, until fit() takes it
   std::shared_ptr<const ShapeKernel<Scalar>> kernel_;
   bool own_neighbours_ = false;

@@ -1,5 +1,6 @@
 #include "recon/operators/kernel_sum.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -11,21 +12,27 @@ namespace {
 
 constexpr std::size_t targets_per_block = 256;
 
-// integral of w(q) q^power over 0 <= q <= 1: Gauss-Legendre with four points in 600 intervals,
-// whose borders are among them the knots of the B-splines.
+// The integral of w(q) q^power over 0 <= q <= 1: Gauss-Legendre with four points in intervals that
+// halve towards q = 0, where narrow weights have their all, each cut into 60, so that the knots of
+// the B-splines are among the borders.
 double radial_moment(const WeightFunction& weight, int power) {
-  constexpr int intervals = 600;
+  constexpr int levels = 60, pieces = 60;
   constexpr std::array<double, 4> place{-0.86113631159405258, -0.33998104358485626,
                                         0.33998104358485626, 0.86113631159405258};
   constexpr std::array<double, 4> share{0.34785484513745386, 0.65214515486254614,
                                         0.65214515486254614, 0.34785484513745386};
   double sum = 0;
-  for (int i = 0; i < intervals; ++i) {
-    std::array<double, 4> q, w;
-    for (std::size_t g = 0; g < 4; ++g) q[g] = (i + 0.5 + 0.5 * place[g]) / intervals;
-    weight.evaluate(q.data(), w.data(), nullptr, 4);
-    for (std::size_t g = 0; g < 4; ++g)
-      sum += share[g] / (2 * intervals) * w[g] * std::pow(q[g], power);
+  for (int level = 0; level <= levels; ++level) {
+    const double upper = std::ldexp(1.0, -level), lower = level < levels ? upper / 2 : 0;
+    const double piece = (upper - lower) / pieces;
+    double part = 0;
+    for (int i = 0; i < pieces; ++i) {
+      std::array<double, 4> q, w;
+      for (std::size_t g = 0; g < 4; ++g) q[g] = lower + (i + 0.5 + 0.5 * place[g]) * piece;
+      weight.evaluate(q.data(), w.data(), nullptr, 4);
+      for (std::size_t g = 0; g < 4; ++g) part += share[g] / 2 * w[g] * std::pow(q[g], power);
+    }
+    sum += part * piece;
   }
   return sum;
 }
@@ -39,6 +46,8 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
   const int dimension = particles.dimension();
   const bool radial = options.form == WeightForm::radial;
   const double integral = weight_integral(options.weight, options.form, dimension);
+  detail::require(integral > 0 && std::isfinite(integral), "integral of the weight", integral,
+                  "must be positive and finite");
   double unit = integral;
   for (int d = 0; d < dimension; ++d) unit *= cloud.stretch()[d];
   values.resize(list.indices.size());
@@ -78,6 +87,8 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
 }  // namespace
 
 double weight_integral(const WeightFunction& weight, WeightForm form, int dimension) {
+  detail::require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension,
+                  "must be 1, 2 or 3");
   if (form == WeightForm::tensor_product) return std::pow(2 * radial_moment(weight, 0), dimension);
   constexpr std::array<double, max_dimension> unit_sphere{2, 2 * std::numbers::pi,
                                                           4 * std::numbers::pi};

@@ -84,9 +84,17 @@ void BasicReconstruction<Scalar>::fit(const PointsView<Scalar>& targets,
       alone ? problem_ : std::make_shared<Problem>(problem_->shared_cloud(), problem_->options());
   problem->take(targets, std::forward<Neighbours>(neighbours)...);
   problem_ = problem;
-  problem_->fit(values_.give_up());
-  values_ = CsrOperator<Scalar>(problem_->pattern(), problem_->give_up_values(), 1, fill(),
-                                problem_->options().threads);
+  const auto take_values = [this] {
+    values_ = CsrOperator<Scalar>(problem_->pattern(), problem_->give_up_values(), 1, fill(),
+                                  problem_->options().threads);
+  };
+  try {
+    problem_->fit(values_.give_up());
+  } catch (...) {
+    take_values();  // of no targets
+    throw;
+  }
+  take_values();
 }
 
 template <class Scalar>

@@ -1,5 +1,8 @@
 #include "recon/operators/vector_operator.hpp"
 
+#include <cmath>
+#include <string>
+
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/points/make_view.hpp"
@@ -70,8 +73,21 @@ void VectorOperator<Scalar>::apply(const FieldView<Scalar>& field,
                 term.factor * slopes(static_cast<Eigen::Index>(t), term.component * D + term.axis);
         }
       });
-  for (const std::uint32_t t : gradient_.empty_rows())
+  const std::vector<std::uint32_t> empty = gradient_.empty_rows();
+  for (const std::uint32_t t : empty)
     for (int i = 0; i < outputs_; ++i) out(t, i) = gradient_.fill();
+  auto next = empty.begin();
+  for (std::size_t t = 0; t < rows(); ++t) {
+    if (next != empty.end() && *next == t) {
+      ++next;
+      continue;
+    }
+    for (int i = 0; i < outputs_; ++i)
+      if (!std::isfinite(out(t, i))) [[unlikely]]
+        detail::throw_invalid(
+            "component " + std::to_string(i) + " of the result at target " + std::to_string(t),
+            out(t, i), "overflows: the slopes of the data are too large");
+  }
 }
 
 template <class Scalar>

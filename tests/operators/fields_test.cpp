@@ -173,6 +173,25 @@ TEST(KernelSums, TakeAllParticlesInTheSupportOfTheKNearest) {
   }
 }
 
+// Narrow weights have all of their integral near 0; closed forms of those that have one.
+TEST(KernelSums, IntegralsOfNarrowWeights) {
+  const double pi = std::acos(-1.0);
+  for (const double c : {0.3, 1e-2, 1e-4, 1e-6}) {
+    if (c < 0.1) {  // exp(-1 / c^2) is nothing
+      EXPECT_NEAR(weight_integral(Gaussian{c}, WeightForm::radial, 1) / (std::sqrt(pi) * c), 1,
+                  1e-8);
+      EXPECT_NEAR(
+          weight_integral(Gaussian{c}, WeightForm::radial, 3) / std::pow(std::sqrt(pi) * c, 3), 1,
+          1e-8);
+    }
+    // The integral of (1 - q)^2 / (q^2 + c^2) over -1 to 1.
+    const double exact = 2 * ((1 - c * c) * std::atan(1 / c) / c - std::log1p(1 / (c * c)) + 1);
+    EXPECT_NEAR(weight_integral(InverseDistance{c}, WeightForm::radial, 1) / exact, 1, 1e-8) << c;
+  }
+  EXPECT_THAT(message_of([] { weight_integral(Gaussian{}, WeightForm::radial, 4); }),
+              HasSubstr("dimension = 4"));
+}
+
 TEST(KernelSums, OfNoParticleAreZeroAndMistakesAreNamed) {
   const std::vector<std::array<double, 2>> points{{0, 0}, {1, 0}}, far{{9, 9}};
   const std::vector<double> mass{1, 2};

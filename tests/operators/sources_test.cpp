@@ -229,6 +229,24 @@ TEST(Sources, RefusedInputChangesNothing) {
                 HasSubstr("belongs to the Sources"));
 }
 
+// What fails in the middle leaves a reconstruction of no targets, which an update mends.
+TEST(Sources, AFailedFitHasNoTargets) {
+  const auto points = random_points<double, 2>(300, 1), targets = random_points<double, 2>(600, 2);
+  const PeriodicDomain<double> box{{0, 0}, {1, 1}, {true, true}};
+  const Sources sources(points_of(points), {.domain = box});
+  const auto u = numbers(300, 3);
+  Reconstruction fit = reconstruct(sources, points_of(targets));
+  EXPECT_THAT(message_of([&] { fit.update(points_of(targets), Radius{200}); }),
+              HasSubstr("must be from -127 to 127"));
+  EXPECT_EQ(fit.apply(field_of(u)).rows(), 0);
+  EXPECT_EQ(fit.gradient().rows(), 0u);
+  EXPECT_EQ(fit.report().size(), 0u);
+  EXPECT_EQ(fit.neighbours().targets(), 0u);
+  EXPECT_EQ(std::get<1>(fit.operators(Functional::hessian, Functional::divergence)).rows(), 0u);
+  fit.update(points_of(targets));  // with the rule of before
+  expect_same_bits(fit, reconstruct(sources, points_of(targets)), 300, "mended");
+}
+
 TEST(Sources, NeighboursAndOwnLists) {
   const auto points = random_points<double, 2>(900, 1);
   const auto targets = random_points<double, 2>(600, 2);

@@ -144,11 +144,12 @@ class CsrOperator {
   friend CsrOperator operator*(CsrOperator a, Scalar factor) { return std::move(a *= factor); }
 
   // A row per target. Throws InvalidArgument where the field has not one value per particle, and
-  // where a value that a row needs is not finite, naming the particle and the component; those that
-  // no row needs are not looked at.
+  // where a value that a row reads is not finite, naming the particle and the component; those that
+  // are in no row are not looked at.
   Matrix apply(const FieldView<Scalar>& field) const;
   // The same into your own array, of rows() points and field.components() * blocks() components. It
   // must not overlap the input. With `trusted` as data nothing is checked but sizes (limit.hpp).
+  // Where it throws, what has been written there is of no use.
   void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
              Data data = Data::checked) const;
 

@@ -82,7 +82,8 @@ class BasicReconstruction {
   // The same for other targets, and for the present positions of the Sources, into the memory that
   // there is; with another rule or list for the neighbours if one is given. The result equals that
   // of a new reconstruction in every bit. Copies of this object keep what they have. Throws as the
-  // constructor does: where targets or neighbours are refused nothing has changed.
+  // constructor does. Where coordinates, a rule or a list are refused as they stand, nothing has
+  // changed; where the search or a fit fails with them, there are no targets until the next update.
   void update(const PointsView<Scalar>& targets);
   void update(const PointsView<Scalar>& targets, const NeighbourRule& neighbours);
   void update(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours);

@@ -169,6 +169,19 @@ void from_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
 }
 
 // The nodes along an axis of what extends by `reach` to both sides of x.
+// The nodes of the cells that hold corners: of the very corners that the functions are taken at, so
+// that no other node is touched, not even by rounding.
+template <int D>
+std::pair<int, int> nodes_of_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
+                                     int d) {
+  std::pair<int, int> nodes{grid.cells(d), 0};
+  for (const SpaceVector<D>& corner : corners) {
+    const int cell = grid.cell(corner[d], d);
+    nodes = {std::min(nodes.first, cell), std::max(nodes.second, cell + 1)};
+  }
+  return nodes;
+}
+
 template <int D>
 std::pair<int, int> nodes_within(const CartesianGrid<D>& grid, double x, double reach, int d) {
   return {grid.cell(x - reach, d), grid.cell(x + reach, d) + 1};
@@ -223,7 +236,7 @@ struct Cpdi1Functions {
   template <int D>
   static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
                                          const ParallelepipedDomain<D>& domain, int d) {
-    return detail::nodes_within(grid, domain.x[d], domain.half_edges.row(d).cwiseAbs().sum(), d);
+    return detail::nodes_of_corners<D>(grid, corners_of(domain), d);
   }
 };
 
@@ -303,12 +316,7 @@ struct Cpdi2Functions {
   template <int D>
   static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
                                          const CornerDomain<D>& domain, int d) {
-    std::pair<int, int> nodes{grid.cells(d), 0};
-    for (const SpaceVector<D>& corner : domain.corners) {
-      const int cell = grid.cell(corner[d], d);
-      nodes = {std::min(nodes.first, cell), std::max(nodes.second, cell + 1)};
-    }
-    return nodes;
+    return detail::nodes_of_corners<D>(grid, domain.corners, d);
   }
 };
 
