@@ -238,16 +238,27 @@ TEST(Reconstruct, OwnNeighbourList) {
   const auto expected = reconstruct(points_of(points), points_of(targets), options);
   NeighbourList<double> list = expected.neighbours();
   const auto fit = reconstruct(points_of(points), points_of(targets), list, options);
-  EXPECT_EQ(numbers_of(fit.values()), numbers_of(expected.values()));
-  EXPECT_EQ(numbers_of(fit.gradient()), numbers_of(expected.gradient()));
+  // Up to rounding: targets in another order share vector registers with others.
+  const auto differ = [](const auto& a, const auto& b) {
+    double worst = a.size() == b.size() ? 0 : 1, largest = 0;
+    for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
+      worst = std::max<double>(worst, std::abs(a[i] - b[i]));
+      largest = std::max<double>(largest, std::abs(b[i]));
+    }
+    return worst / largest;
+  };
+  EXPECT_LT(differ(numbers_of(fit.values()), numbers_of(expected.values())), 1e-13);
+  EXPECT_LT(differ(numbers_of(fit.gradient()), numbers_of(expected.gradient())), 1e-12);
   std::vector<double> u, f;
   for (const auto& x : points) u.push_back(std::sin(9 * x[0]) + x[1]);
   for (const auto& x : targets) f.push_back(x[0] * x[1]);
-  EXPECT_EQ(fit.apply(field_of(u)), expected.apply(field_of(u)));
+  EXPECT_LT((fit.apply(field_of(u)) - expected.apply(field_of(u))).norm(),
+            1e-13 * fit.apply(field_of(u)).norm());
   EXPECT_LT((fit.apply_transpose(field_of(f)) - expected.apply_transpose(field_of(f))).norm(),
             1e-13 * fit.apply_transpose(field_of(f)).norm());
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    EXPECT_EQ(fit.report()[t], expected.report()[t]);
+    EXPECT_EQ(fit.report()[t].status, expected.report()[t].status);
+    EXPECT_EQ(fit.report()[t].neighbours, expected.report()[t].neighbours);
     EXPECT_EQ(fit.support(t), expected.support(t));
     const auto row = expected.values().row(t);
     ASSERT_EQ(row.size(), list.of(t).size());
