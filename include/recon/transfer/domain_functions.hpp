@@ -168,7 +168,6 @@ void from_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
   }
 }
 
-// The nodes along an axis of what extends by `reach` to both sides of x.
 // The nodes of the cells that hold corners: of the very corners that the functions are taken at, so
 // that no other node is touched, not even by rounding.
 template <int D>
@@ -182,6 +181,7 @@ std::pair<int, int> nodes_of_corners(const CartesianGrid<D>& grid, const DomainC
   return nodes;
 }
 
+// The nodes along an axis of what extends by `reach` to both sides of x.
 template <int D>
 std::pair<int, int> nodes_within(const CartesianGrid<D>& grid, double x, double reach, int d) {
   return {grid.cell(x - reach, d), grid.cell(x + reach, d) + 1};
