@@ -36,6 +36,8 @@ void SourcesOptions::validate() const {
 namespace detail {
 namespace {
 
+constexpr std::size_t indices_per_block = 16384;
+
 template <class Scalar>
 PeriodicDomain<Scalar> stretched(const PeriodicDomain<double>& domain,
                                  const std::array<double, max_dimension>& stretch) {
@@ -132,6 +134,25 @@ std::span<const std::uint32_t> Cloud<Scalar>::place_of() const {
 }
 
 template <class Scalar>
+void Cloud<Scalar>::to_callers(std::span<ParticleIndex> indices, int threads) const {
+  recon::parallel_blocks(indices.size(), indices_per_block, threads,
+                         [&](std::size_t begin, std::size_t end) {
+                           for (std::size_t e = begin; e < end; ++e)
+                             indices[e] = caller_of_[indices[e]];
+                         });
+}
+
+template <class Scalar>
+void Cloud<Scalar>::to_places(std::span<const ParticleIndex> indices, ParticleIndex* places,
+                              int threads) const {
+  const std::span<const std::uint32_t> place = place_of();
+  recon::parallel_blocks(indices.size(), indices_per_block, threads,
+                         [&](std::size_t begin, std::size_t end) {
+                           for (std::size_t e = begin; e < end; ++e) places[e] = place[indices[e]];
+                         });
+}
+
+template <class Scalar>
 void Cloud<Scalar>::take_targets(const PointsView<Scalar>& targets, const char* name, int threads,
                                  PointCloud<Scalar>& into) const {
   const auto& stretch = options_.stretch;
@@ -148,36 +169,35 @@ void Cloud<Scalar>::take_targets(const PointsView<Scalar>& targets, const char* 
 }
 
 template <class Scalar>
-void Cloud<Scalar>::order(const PointCloud<Scalar>& targets, int threads,
-                          CountingSort& sort) const {
+template <class Use>
+void Cloud<Scalar>::with_kept(const Use& use) const {
   std::visit(
       [&](const auto& kept) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(kept)>, std::monostate>)
-          sort_by_bricks(kept->ordered->sorted_cells(), targets, threads, sort);
+        if constexpr (!std::is_same_v<std::decay_t<decltype(kept)>, std::monostate>) use(*kept);
       },
       kept_);
+}
+
+template <class Scalar>
+void Cloud<Scalar>::order(const PointCloud<Scalar>& targets, int threads,
+                          CountingSort& sort) const {
+  with_kept([&](const auto& kept) {
+    sort_by_bricks(kept.ordered->sorted_cells(), targets, threads, sort);
+  });
 }
 
 template <class Scalar>
 void Cloud<Scalar>::find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
                          const NeighbourOptions& options, bool in_order,
                          NeighbourList<Scalar>& list) const {
-  std::visit(
-      [&](const auto& kept) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(kept)>, std::monostate>)
-          find_with_index(kept->index, targets, rule, domain_, options, in_order, list);
-      },
-      kept_);
+  with_kept([&](auto& kept) {
+    find_with_index(kept.index, targets, rule, domain_, options, in_order, list);
+  });
 }
 
 template <class Scalar>
 void Cloud<Scalar>::forget_buffers() const {
-  std::visit(
-      [&](const auto& kept) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(kept)>, std::monostate>)
-          kept->index.forget_buffers();
-      },
-      kept_);
+  with_kept([](auto& kept) { kept.index.forget_buffers(); });
 }
 
 template class Cloud<float>;
@@ -234,7 +254,7 @@ NeighbourList<Scalar> neighbours_of(const BasicSources<Scalar>& sources,
     };
   NeighbourList<Scalar> list;
   cloud.find(targets, rule, options, false, list);
-  for (ParticleIndex& p : list.indices) p = caller_of[p];
+  cloud.to_callers(list.indices, options.threads);
   return list;
 }
 

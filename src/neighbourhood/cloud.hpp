@@ -41,6 +41,10 @@ class Cloud {
   // Made when it is first asked for.
   std::span<const std::uint32_t> place_of() const;
 
+  // Places to the caller's numbers in a list, and back from one list into another (or the same).
+  void to_callers(std::span<ParticleIndex> indices, int threads) const;
+  void to_places(std::span<const ParticleIndex> indices, ParticleIndex* places, int threads) const;
+
   // Points of the caller in the coordinates of the cloud, in the caller's order, into `into`.
   void take_targets(const PointsView<Scalar>& targets, const char* name, int threads,
                     PointCloud<Scalar>& into) const;
@@ -58,6 +62,9 @@ class Cloud {
  private:
   template <int D>
   void build(int threads);
+  // use(*Kept<D>), with what is kept for the dimension of the points.
+  template <class Use>
+  void with_kept(const Use& use) const;
 
   // Owns the numbers of the caller's options, where spans refer to.
   SourcesOptions options_;

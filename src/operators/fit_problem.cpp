@@ -111,8 +111,7 @@ void FitProblem<Scalar>::fit_taken() {
   NeighbourRule rule;
   if (own_neighbours_) {
     neighbours_ = std::move(given_);
-    const std::span<const std::uint32_t> place_of = cloud_->place_of();
-    for (ParticleIndex& p : neighbours_.indices) p = place_of[p];
+    cloud_->to_places(neighbours_.indices, neighbours_.indices.data(), options_.threads);
   } else {
     rule = ordered_rule(ordered_radii_);
     cloud_->find(targets_, rule, search, true, neighbours_);
@@ -163,12 +162,7 @@ void FitProblem<Scalar>::make_pattern() {
     if (row_reports_[t].status == FitStatus::no_support ||
         row_reports_[t].status == FitStatus::too_far)
       made.empty_rows.push_back(static_cast<std::uint32_t>(t));
-  const std::span<const std::uint32_t> caller_of = cloud_->caller_of();
-  recon::parallel_blocks(neighbours_.indices.size(), many_per_block, options_.threads,
-                         [&](std::size_t begin, std::size_t end) {
-                           for (std::size_t e = begin; e < end; ++e)
-                             neighbours_.indices[e] = caller_of[neighbours_.indices[e]];
-                         });
+  cloud_->to_callers(neighbours_.indices, options_.threads);
   made.target_of = std::move(target_of_);
   made.neighbours = std::move(neighbours_);
 }
@@ -229,12 +223,7 @@ void FitProblem<Scalar>::derivatives(Derivative kind, Array<Scalar>* first,
   if (first) first->resize(list.indices.size() * static_cast<std::size_t>(firsts));
   if (second) second->resize(list.indices.size() * static_cast<std::size_t>(seconds));
   Array<ParticleIndex> places(list.indices.size());
-  const std::span<const std::uint32_t> place_of = cloud_->place_of();
-  recon::parallel_blocks(places.size(), many_per_block, options_.threads,
-                         [&](std::size_t begin, std::size_t end) {
-                           for (std::size_t e = begin; e < end; ++e)
-                             places[e] = place_of[list.indices[e]];
-                         });
+  cloud_->to_places(list.indices, places.data(), options_.threads);
   NeighbourListView<Scalar> in_places = list;
   in_places.indices = places.data();
   const ShapeProblem<Scalar> problem = shape_problem(targets_, in_places);

@@ -117,8 +117,7 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
   }
   Array<Scalar> values;
   evaluate_kernels(cloud, at, list, options, values);
-  const std::span<const std::uint32_t> caller_of = cloud.caller_of();
-  for (ParticleIndex& p : list.indices) p = caller_of[p];
+  cloud.to_callers(list.indices, options.threads);
   pattern->columns = cloud.points().size();
   pattern->cloud = sources.cloud();
   pattern->version = cloud.version();
