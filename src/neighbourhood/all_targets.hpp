@@ -44,7 +44,7 @@ class AllTargets {
  public:
   // With `in_order` targets follow each other in space as they are.
   AllTargets(SharedByTargets<S, D>& shared, bool in_order, NeighbourList<S>& list)
-      : shared_(shared), list_(list) {
+      : shared_(shared), memory_(shared.index.template memory<Key>()), list_(list) {
     const Cells<S, D>& cells = shared.grid->sorted_cells();
     if (in_order) return;
     if (&shared.targets == &shared.particles) {  // sorted already
@@ -85,7 +85,7 @@ class AllTargets {
       list_.offsets[t + 1] = static_cast<std::int64_t>((t + 1) * k);
     resize(count() * k);
     for_blocks([&](std::size_t begin, std::size_t end) {
-      const auto buffers = shared_.index.buffers().lend();
+      const auto buffers = memory_.buffers.lend();
       Targets found(shared_, *buffers);
       for (std::size_t s = begin; s < end; ++s) {
         const std::size_t t = target(s);
@@ -96,10 +96,10 @@ class AllTargets {
   }
 
   void find_rows_of_any_length() {
-    const auto blocks = shared_.index.template blocks<Key>().lend();
+    const auto blocks = memory_.blocks.lend();
     blocks->resize(std::max(blocks->size(), (count() + targets_per_block - 1) / targets_per_block));
     for_blocks([&](std::size_t begin, std::size_t end) {
-      const auto buffers = shared_.index.buffers().lend();
+      const auto buffers = memory_.buffers.lend();
       Targets found(shared_, *buffers);
       std::vector<Key>& block = (*blocks)[begin / targets_per_block];
       block.clear();
@@ -135,6 +135,7 @@ class AllTargets {
   }
 
   SharedByTargets<S, D>& shared_;
+  CellSearchMemory<S, D, Key>& memory_;
   CountingSort sort_;
   std::span<const std::uint32_t> order_;  // empty: as they are
   NeighbourList<S>& list_;

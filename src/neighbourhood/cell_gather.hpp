@@ -45,7 +45,7 @@ class CellGather {
   using Coding = NeighbourKey<periodic>;
   using Key = typename Coding::Key;
 
-  CellGather(const SharedByTargets<S, D>& shared, CellBuffers<S, D>& buffers)
+  CellGather(const SharedByTargets<S, D>& shared, CellBuffers<S, D, Key>& buffers)
       : shared_(shared),
         images_(buffers.images),
         distance2_(buffers.distance2),

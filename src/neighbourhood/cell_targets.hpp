@@ -18,7 +18,7 @@ class CellTargets {
   using Coding = NeighbourKey<periodic>;
   using Key = typename Coding::Key;
 
-  CellTargets(SharedByTargets<S, D>& shared, CellBuffers<S, D>& buffers)
+  CellTargets(SharedByTargets<S, D>& shared, CellBuffers<S, D, Key>& buffers)
       : shared_(shared),
         gathered_(shared, buffers),
         order_(shared.kernels, buffers),

@@ -18,12 +18,12 @@ class KeyOrder {
   using Gather = CellGather<S, D, periodic>;
   using Key = typename Gather::Key;
 
-  KeyOrder(const SearchKernels<S, D>& kernels, CellBuffers<S, D>& buffers)
+  KeyOrder(const SearchKernels<S, D>& kernels, CellBuffers<S, D, Key>& buffers)
       : kernels_(kernels),
         rank_distance_(buffers.rank_distance),
         rank_index_(buffers.rank_index),
-        pairs_(buffers.template pairs_of<Key>()),
-        ordered_(buffers.template ordered_of<Key>()) {}
+        pairs_(buffers.pairs),
+        ordered_(buffers.ordered) {}
 
   const Key* begin() const { return ordered_.data(); }
   const Key* end() const { return begin() + size_; }

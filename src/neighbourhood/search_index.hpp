@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,31 +22,21 @@
 
 namespace recon::detail {
 
-// The memory of a CellGather (cell_gather.hpp) and a KeyOrder (key_order.hpp).
-template <class S, int D>
+// The memory of a CellGather (cell_gather.hpp) and a KeyOrder (key_order.hpp), with its keys.
+template <class S, int D, class Key>
 struct CellBuffers {
   PeriodicImages<S, D> images;
   std::vector<S> distance2, rank_distance;
   std::vector<std::uint32_t> index, shift, rank_index;  // shift: as codes
-  std::vector<std::pair<S, std::uint32_t>> pairs;
-  std::vector<std::pair<S, std::uint64_t>> periodic_pairs;
-  std::vector<std::uint32_t> ordered;
-  std::vector<std::uint64_t> periodic_ordered;
+  std::vector<std::pair<S, Key>> pairs;
+  std::vector<Key> ordered;
+};
 
-  template <class Key>
-  auto& pairs_of() {
-    if constexpr (sizeof(Key) == 8)
-      return periodic_pairs;
-    else
-      return pairs;
-  }
-  template <class Key>
-  auto& ordered_of() {
-    if constexpr (sizeof(Key) == 8)
-      return periodic_ordered;
-    else
-      return ordered;
-  }
+// The memory of searches by cells, kept from one to the next.
+template <class S, int D, class Key>
+struct CellSearchMemory {
+  Pool<CellBuffers<S, D, Key>> buffers;        // of a block of targets
+  Pool<std::vector<std::vector<Key>>> blocks;  // the keys that all blocks have found
 };
 
 template <class S, int D>
@@ -94,22 +85,15 @@ class SearchIndex {
   std::shared_ptr<const RTree<S, D>> r_tree() { return kept(r_tree_); }
   std::shared_ptr<const BruteForce<S, D>> brute_force() { return kept(brute_force_); }
 
-  // Memory of searches by cells, kept from one to the next: that of a block of targets, and the
-  // keys found by all blocks (32 bits, and 64 in periodic domains).
-  Pool<CellBuffers<S, D>>& buffers() { return buffers_; }
+  // Keys have 32 bits, and 64 in periodic domains.
   template <class Key>
-  Pool<std::vector<std::vector<Key>>>& blocks() {
-    if constexpr (sizeof(Key) == 8)
-      return periodic_blocks_;
-    else
-      return blocks_;
+  CellSearchMemory<S, D, Key>& memory() {
+    return std::get<CellSearchMemory<S, D, Key>>(memory_);
   }
-
   // Gives the memory of searches back.
   void forget_buffers() {
-    buffers_.clear();
-    blocks_.clear();
-    periodic_blocks_.clear();
+    std::apply([](auto&... memory) { ((memory.buffers.clear(), memory.blocks.clear()), ...); },
+               memory_);
   }
 
   // Targets that cells serve badly are left to the k-d tree, once they have cost as much without it
@@ -132,9 +116,7 @@ class SearchIndex {
   }
 
   const PointCloud<S>& cloud_;
-  Pool<CellBuffers<S, D>> buffers_;
-  Pool<std::vector<std::vector<std::uint32_t>>> blocks_;
-  Pool<std::vector<std::vector<std::uint64_t>>> periodic_blocks_;
+  std::tuple<CellSearchMemory<S, D, std::uint32_t>, CellSearchMemory<S, D, std::uint64_t>> memory_;
   std::mutex mutex_;
   std::shared_ptr<const Grid> grid_, wide_grid_;
   double wide_size_ = 0;

@@ -5,6 +5,7 @@
 
 #include "operators/far_targets.hpp"
 #include "operators/list_rows.hpp"
+#include "operators/search_options.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
@@ -169,11 +170,7 @@ void FitProblem<Scalar>::make_pattern() {
 
 template <class Scalar>
 NeighbourOptions FitProblem<Scalar>::search_options() const {
-  NeighbourOptions search;
-  search.shape = options_.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
-  search.search = options_.search;
-  search.threads = options_.threads;
-  search.instruction_set = options_.instruction_set;
+  NeighbourOptions search = detail::search_options(options_);
   if (options_.visible)
     search.visible = [this](std::size_t t, std::size_t p) {
       return options_.visible(caller_target(t), cloud_->caller_of()[p]);

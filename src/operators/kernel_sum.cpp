@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "neighbourhood/cloud.hpp"
+#include "operators/search_options.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon {
@@ -100,11 +101,7 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
                                     const PointsView<Scalar>& targets,
                                     const KernelOptions& options) {
   const detail::Cloud<Scalar>& cloud = *sources.cloud();
-  NeighbourOptions search;
-  search.shape = options.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
-  search.search = options.search;
-  search.threads = options.threads;
-  search.instruction_set = options.instruction_set;
+  const NeighbourOptions search = detail::search_options(options);
   PointCloud<Scalar> at;
   cloud.take_targets(targets, "targets", options.threads, at);
   auto pattern = std::make_shared<SparsityPattern<Scalar>>();
