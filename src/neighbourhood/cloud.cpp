@@ -12,8 +12,10 @@ namespace recon {
 using detail::require;
 
 void SourcesOptions::validate() const {
-  for (const double factor : stretch)
-    require(std::isfinite(factor) && factor > 0, "stretch", factor, "must be positive and finite");
+  for (int d = 0; d < max_dimension; ++d)
+    if (!(std::isfinite(stretch[d]) && stretch[d] > 0))
+      detail::throw_invalid(std::string("stretch along ") + "xyz"[d], stretch[d],
+                            "must be positive and finite");
   require(threads >= 0, "threads", threads, "must not be negative (0: all there are)");
 
   // Within this range floats hold every ratio.

@@ -19,11 +19,12 @@ using detail::require;
 
 constexpr std::size_t rows_per_block = 1024;
 
-// The field as one array in the order of `point_of` (empty: its own), point-major, checked to be
-// finite. Places in `skip` (ascending) are zeroed instead.
-template <class Scalar>
+// The field as one array in the order of `point_of` (empty: its own), point-major. Numbers that are
+// not finite are refused where needed(place, component), and zeroed elsewhere; so are all of the
+// places in `skip` (ascending).
+template <class Scalar, class Needed>
 Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32_t> point_of,
-                     std::span<const std::uint32_t> skip, int threads) {
+                     std::span<const std::uint32_t> skip, int threads, const Needed& needed) {
   const int components = field.components();
   Array<Scalar> values(field.size() * static_cast<std::size_t>(components));
   parallel_blocks(field.size(), 16 * rows_per_block, threads,
@@ -35,9 +36,12 @@ Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32
                       skipped += skips;
                       const std::size_t point = point_of.empty() ? i : point_of[i];
                       for (int c = 0; c < components; ++c) {
-                        const Scalar value = skips ? Scalar(0) : field(point, c);
-                        if (!std::isfinite(value)) [[unlikely]]
-                          detail::throw_not_finite(point, c, static_cast<double>(value));
+                        Scalar value = skips ? Scalar(0) : field(point, c);
+                        if (!std::isfinite(value)) [[unlikely]] {
+                          if (needed(i, c))
+                            detail::throw_not_finite(point, c, static_cast<double>(value));
+                          value = 0;
+                        }
                         *to++ = value;
                       }
                     }
@@ -65,7 +69,7 @@ template <class Scalar>
 void SparsityPattern<Scalar>::require_current() const {
   if (cloud && cloud->version() != version)
     detail::throw_invalid("positions", "those before an update of the Sources",
-                          "must be the present ones: call update() of the reconstruction");
+                          std::string("must be the present ones: ") + remedy);
 }
 
 template <class Scalar>
@@ -132,23 +136,58 @@ CsrOperator<Scalar>& CsrOperator<Scalar>::add(const CsrOperator& other, Scalar f
           "must be the same: operators of one reconstruction add up");
   require(blocks_ == other.blocks_, "blocks of the operator", other.blocks_,
           "must be as many as those of the other");
-  parallel_blocks(values_.size(), 16 * rows_per_block, threads_,
-                  [&](std::size_t begin, std::size_t end) {
-                    for (std::size_t i = begin; i < end; ++i)
-                      values_[i] += factor * other.values_[i];
-                  });
+  change_values([&](std::size_t i) { return values_[i] + factor * other.values_[i]; });
   return *this;
 }
 
 template <class Scalar>
 CsrOperator<Scalar>& CsrOperator<Scalar>::operator*=(Scalar factor) {
   require(std::isfinite(factor), "factor of the operator", factor, "must be finite");
-  for (Scalar& value : values_) value *= factor;
+  change_values([&](std::size_t i) { return values_[i] * factor; });
   return *this;
 }
 
 template <class Scalar>
+template <class Changed>
+void CsrOperator<Scalar>::change_values(const Changed& changed) {
+  pattern_->require_current();
+  constexpr std::size_t block = 16 * rows_per_block;
+  parallel_blocks(values_.size(), block, threads_, [&](std::size_t begin, std::size_t end) {
+    Scalar zero = 0;  // and NaN where any number is not finite
+    for (std::size_t i = begin; i < end; ++i) {
+      const Scalar value = changed(i);
+      zero += value - value;
+    }
+    for (std::size_t i = begin; zero != 0 && i < end; ++i)
+      if (const Scalar value = changed(i); !std::isfinite(value)) {
+        const auto blocks = static_cast<std::size_t>(blocks_);
+        const auto& offsets = pattern_->neighbours.offsets;
+        const auto next =
+            std::upper_bound(offsets.begin(), offsets.end(), static_cast<std::int64_t>(i / blocks));
+        const auto row = static_cast<std::size_t>(next - offsets.begin()) - 1;
+        detail::throw_invalid("coefficient of particle " +
+                                  std::to_string(pattern_->neighbours.indices[i / blocks]) +
+                                  " at target " + std::to_string(pattern_->target(row)) +
+                                  (blocks_ > 1 ? " in block " + std::to_string(i % blocks) : ""),
+                              value, "overflows: the operators or their factors are too large");
+      }
+  });
+  parallel_blocks(values_.size(), block, threads_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) values_[i] = changed(i);
+  });
+}
+
+template <class Scalar>
+bool CsrOperator<Scalar>::reads(std::size_t row, int block) const {
+  const auto& offsets = pattern_->neighbours.offsets;
+  for (std::int64_t e = offsets[row]; e < offsets[row + 1]; ++e)
+    if (values_[e * blocks_ + block] != 0) return true;
+  return false;
+}
+
+template <class Scalar>
 std::vector<std::uint32_t> CsrOperator<Scalar>::empty_rows() const {
+  pattern_->require_current();
   std::vector<std::uint32_t> targets;
   for (const std::uint32_t row : pattern_->empty_rows)
     targets.push_back(static_cast<std::uint32_t>(pattern_->target(row)));
@@ -191,7 +230,9 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
           "must be those of the field divided by the operator's blocks");
   const SparsityPattern<Scalar>& pattern = *pattern_;
   pattern.require_current();
-  const Array<Scalar> in = gather<Scalar>(field, pattern.target_of, pattern.empty_rows, threads_);
+  const Array<Scalar> in =
+      gather<Scalar>(field, pattern.target_of, pattern.empty_rows, threads_,
+                     [&](std::size_t row, int c) { return reads(row, c % blocks_); });
   const auto& columns_of = pattern.transposed();
   const auto stride = static_cast<std::size_t>(field.components());
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "neighbourhood/cloud.hpp"
 #include "operators/search_options.hpp"
@@ -38,6 +39,21 @@ double radial_moment(const WeightFunction& weight, int power) {
   return sum;
 }
 
+// 1 / (c rho^D) at target t, with `unit` the part of c rho^D that all targets share.
+template <class Scalar>
+Scalar norm_of(double unit, Scalar rho, int dimension, std::size_t t) {
+  const double power = std::pow(static_cast<double>(rho), dimension);
+  const auto norm = static_cast<Scalar>(1 / (unit * power));
+  // Below the smallest normal number digits are lost.
+  if (!std::isnormal(power) || !std::isnormal(unit * power) || !std::isnormal(norm)) [[unlikely]]
+    detail::throw_invalid("support radius of target " + std::to_string(t) + " in a kernel sum", rho,
+                          "must have a 1 / (c rho^D) that is a normal number in " +
+                              std::string(sizeof(Scalar) == sizeof(float) ? "float" : "double") +
+                              ", and it is " + detail::to_text(1 / (unit * power)) +
+                              ": choose another unit of length");
+  return norm;
+}
+
 // The values of a list, in numbers of places, of targets in the coordinates of the cloud.
 template <class Scalar>
 void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scalar>& targets,
@@ -59,11 +75,10 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
           const std::int64_t first = list.offsets[t];
           const auto count = static_cast<std::size_t>(list.count(t));
           Scalar* const w = values.data() + first;
-          const auto factor = static_cast<Scalar>(
-              1 / (unit * std::pow(static_cast<double>(list.support[t]), dimension)));
+          const Scalar norm = norm_of(unit, list.support[t], dimension, t);
           // Radial: q is |x_p - x| / rho; tensor product: one factor for each axis.
           q.assign(count, Scalar(0));
-          std::fill_n(w, count, factor);
+          std::fill_n(w, count, norm);
           for (int d = 0; d < dimension; ++d) {
             for (std::size_t i = 0; i < count; ++i) {
               const std::size_t e = static_cast<std::size_t>(first) + i;
@@ -118,6 +133,7 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
   pattern->columns = cloud.points().size();
   pattern->cloud = sources.cloud();
   pattern->version = cloud.version();
+  pattern->remedy = "make the kernel operator anew";
   return CsrOperator<Scalar>(std::move(pattern), std::move(values), 1, Scalar(0), options.threads);
 }
 

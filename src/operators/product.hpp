@@ -250,7 +250,7 @@ class Product {
   void narrow_rows(std::size_t begin, std::size_t end, const Field& field) const {
     if (limit_ != Limit::none || out_.separate())
       return few_components<B, C>(begin, end, field,
-                                  [&](std::size_t row, Scalar* sums) { finish(row, sums, B * C); });
+                                  [&](std::size_t row, Scalar* sums) { finish<B>(row, sums); });
     // The plain case: as little as possible beside the sums.
     std::byte* const out = static_cast<std::byte*>(out_.first(0));
     const std::ptrdiff_t next_target = out_.point_stride(), next = out_.component_stride();
@@ -267,7 +267,7 @@ class Product {
     });
     if (zero == 0 || trusted_) return;
     few_components<B, C>(begin, end, field,
-                         [&](std::size_t row, Scalar* sums) { finish(row, sums, B * C); });
+                         [&](std::size_t row, Scalar* sums) { finish<B>(row, sums); });
   }
 
   template <int B, int C, class Field, class Finish>
@@ -295,43 +295,67 @@ class Product {
     std::vector<Scalar> many(components_ * B > few ? static_cast<std::size_t>(components_ * B) : 0);
     Scalar* const sums = many.empty() ? on_stack.data() : many.data();
     for (std::size_t row = begin; row < end; ++row) {
-      const std::int64_t first = offsets_[row], last = offsets_[row + 1];
-      int c = 0;
-      for (; c + 4 <= components_; c += 4)
-        row_sums<B, 4>(values_, index_, first, last, Field{field_, c}, sums + c * B);
-      if (components_ - c == 3)
-        row_sums<B, 3>(values_, index_, first, last, Field{field_, c}, sums + c * B);
-      if (components_ - c == 2)
-        row_sums<B, 2>(values_, index_, first, last, Field{field_, c}, sums + c * B);
-      if (components_ - c == 1)
-        row_sums<B, 1>(values_, index_, first, last, Field{field_, c}, sums + c * B);
-      finish(row, sums, components_ * B);
+      sums_of<B, Field>(values_, index_, offsets_[row], offsets_[row + 1], field_, sums);
+      finish<B>(row, sums);
     }
   }
 
-  void finish(std::size_t row, Scalar* sums, int width) const {
+  // One row of any number of components.
+  template <int B, class Field>
+  void sums_of(const Scalar* values, const ParticleIndex* index, std::int64_t first,
+               std::int64_t last, const FieldView<Scalar>& field, Scalar* sums) const {
+    int c = 0;
+    for (; c + 4 <= components_; c += 4)
+      row_sums<B, 4>(values, index, first, last, Field{field, c}, sums + c * B);
+    if (components_ - c == 3)
+      row_sums<B, 3>(values, index, first, last, Field{field, c}, sums + c * B);
+    if (components_ - c == 2)
+      row_sums<B, 2>(values, index, first, last, Field{field, c}, sums + c * B);
+    if (components_ - c == 1)
+      row_sums<B, 1>(values, index, first, last, Field{field, c}, sums + c * B);
+  }
+
+  template <int B>
+  void finish(std::size_t row, Scalar* sums) const {
+    const int width = components_ * B;
     const std::size_t t = pattern_.target(row);
     if (!trusted_ && !all_finite(sums, width)) [[unlikely]]
-      mend(row, t, sums, width);
+      mend<B>(row, t, sums);
     if (limit_ != Limit::none)
       limited_[t] =
           limit_row(values_, index_, offsets_[row], offsets_[row + 1], field_, limit_, all_, sums);
     for (int i = 0; i < width; ++i) out_(t, i) = sums[i];
   }
 
-  // Names the number of the field that is not finite; else the sum has left the range of numbers on
-  // its way.
-  [[gnu::noinline]] void mend(std::size_t row, std::size_t t, Scalar* sums, int width) const {
-    const std::int64_t first = offsets_[row], last = offsets_[row + 1];
-    for (std::int64_t e = first; e < last; ++e)
-      for (int c = 0; c < components_; ++c)
-        if (const Scalar value = field_(index_[e], c); !std::isfinite(value))
-          throw_not_finite(index_[e], c, static_cast<double>(value));
-    mend_overflow(sums, width, "target ", t, [&](int i) {
+  // Forms the sums of a row again, in the same order, with 0 for numbers that are not finite and not
+  // needed: those of particles with the coefficient 0. One that is needed is named. What is not
+  // finite then has left the range of numbers on its way.
+  template <int B>
+  [[gnu::noinline]] void mend(std::size_t row, std::size_t t, Scalar* sums) const {
+    const Scalar* const values = values_ + offsets_[row] * B;
+    const std::int64_t count = offsets_[row + 1] - offsets_[row];
+    std::vector<Scalar> in;
+    std::vector<ParticleIndex> place;
+    for (std::int64_t e = 0; e < count; ++e) {
+      const ParticleIndex particle = index_[offsets_[row] + e];
+      const bool needed = std::any_of(values + e * B, values + (e + 1) * B,
+                                      [](Scalar value) { return value != 0; });
+      for (int c = 0; c < components_; ++c) {
+        const Scalar value = field_(particle, c);
+        if (needed && !std::isfinite(value))
+          throw_not_finite(particle, c, static_cast<double>(value));
+        in.push_back(std::isfinite(value) ? value : Scalar(0));
+      }
+      place.push_back(static_cast<ParticleIndex>(e));
+    }
+    constexpr auto size = static_cast<std::ptrdiff_t>(sizeof(Scalar));
+    const FieldView<Scalar> row_field(static_cast<std::size_t>(count), components_, in.data(),
+                                      components_ * size, size);
+    sums_of<B, SideBySide<Scalar>>(values, place.data(), 0, count, row_field, sums);
+    mend_overflow(sums, components_ * B, "target ", t, [&](int i) {
       return scaled_sum_of_products<Scalar>(
-          last - first,
-          [&](std::int64_t e) { return values_[(first + e) * blocks_ + i % blocks_]; },
-          [&](std::int64_t e) { return field_(index_[first + e], i / blocks_); });
+          count, [&](std::int64_t e) { return values[e * B + i % B]; },
+          [&](std::int64_t e) { return row_field(static_cast<std::size_t>(e), i / B); });
     });
   }
 

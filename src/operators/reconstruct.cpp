@@ -1,5 +1,6 @@
 #include "recon/operators/reconstruct.hpp"
 
+#include <string>
 #include <vector>
 
 #include "operators/fit_problem.hpp"
@@ -16,8 +17,14 @@ std::shared_ptr<const detail::Cloud<Scalar>> cloud_of(const BasicSources<Scalar>
   const SourcesOptions none, said = options.sources();
   const char* const rule = "belongs to the Sources: say it where they are made";
   require(said.particle_weights.empty(), "particle_weights", said.particle_weights.size(), rule);
-  require(said.stretch == none.stretch, "stretch", said.stretch[0], rule);
-  require(!said.domain.any(), "domain", "periodic", rule);
+  std::string stretch, periodic;
+  for (int d = 0; d < max_dimension; ++d) {
+    stretch += (d ? ", " : "") + detail::to_text(said.stretch[d]);
+    if (said.domain.periodic[d])
+      periodic += (periodic.empty() ? "" : ", ") + std::string(1, "xyz"[d]);
+  }
+  require(said.stretch == none.stretch, "stretch", "{" + stretch + "}", rule);
+  require(!said.domain.any(), "domain", "periodic along " + periodic, rule);
   return sources.cloud();
 }
 
@@ -237,12 +244,14 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::hessian() const {
 
 template <class Scalar>
 const FitReports& BasicReconstruction<Scalar>::report() const {
+  problem_->pattern()->require_current();
   return problem_->reports();
 }
 
 template <class Scalar>
 NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
   const SparsityPattern<Scalar>& pattern = *problem_->pattern();
+  pattern.require_current();
   const NeighbourList<Scalar>& list = pattern.neighbours;
   if (pattern.target_of.empty()) return list;
   NeighbourList<Scalar> out;
@@ -264,6 +273,7 @@ NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
 template <class Scalar>
 Scalar BasicReconstruction<Scalar>::support(std::size_t target) const {
   const SparsityPattern<Scalar>& pattern = *problem_->pattern();
+  pattern.require_current();
   return pattern.neighbours.support[pattern.row(target)];
 }
 

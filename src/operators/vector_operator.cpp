@@ -3,8 +3,10 @@
 #include <cmath>
 #include <string>
 
+#include "operators/product.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/core/sums.hpp"
 #include "recon/points/make_view.hpp"
 
 namespace recon {
@@ -62,8 +64,11 @@ void VectorOperator<Scalar>::apply(const FieldView<Scalar>& field,
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
   require(out.components() == outputs_, "components of the output", out.components(),
           "must be outputs()");
-  const Matrix slopes = gradient_.apply(field);
+  // Unchecked, because of components of the gradient that nobody asked for: what is asked for is
+  // checked below.
   const int D = inputs();
+  Matrix slopes(static_cast<Eigen::Index>(rows()), D * D);
+  gradient_.apply(field, field_of(slopes), trusted);
   parallel_blocks(
       rows(), targets_per_block, gradient_.threads(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
@@ -84,10 +89,35 @@ void VectorOperator<Scalar>::apply(const FieldView<Scalar>& field,
     }
     for (int i = 0; i < outputs_; ++i)
       if (!std::isfinite(out(t, i))) [[unlikely]]
-        detail::throw_invalid(
-            "component " + std::to_string(i) + " of the result at target " + std::to_string(t),
-            out(t, i), "overflows: the slopes of the data are too large");
+        out(t, i) = mended(field, t, i);
   }
+}
+
+// One number formed again with scaled factors, without numbers of the field that are multiplied by 0.
+template <class Scalar>
+Scalar VectorOperator<Scalar>::mended(const FieldView<Scalar>& field, std::size_t t,
+                                      int output) const {
+  const auto row = gradient_.row(t);
+  Scalar sum = 0;
+  for (const Term& term : terms_) {
+    if (term.output != output) continue;
+    const auto data = [&](std::size_t i) {
+      const ParticleIndex particle = row.particle(i);
+      const Scalar value = field(particle, term.component);
+      if (std::isfinite(value)) return value;
+      if (row.value(i, term.axis) != 0)
+        detail::throw_not_finite(particle, term.component, static_cast<double>(value));
+      return Scalar(0);
+    };
+    sum +=
+        term.factor * detail::scaled_sum_of_products<Scalar>(
+                          row.size(), [&](std::size_t i) { return row.value(i, term.axis); }, data);
+  }
+  if (!std::isfinite(sum))
+    detail::throw_invalid(
+        "component " + std::to_string(output) + " of the result at target " + std::to_string(t),
+        sum, "overflows: the slopes of the data are too large");
+  return sum;
 }
 
 template <class Scalar>
@@ -102,11 +132,26 @@ void VectorOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
   parallel_blocks(rows(), targets_per_block, gradient_.threads(),
                   [&](std::size_t begin, std::size_t end) {
                     for (std::size_t t = begin; t < end; ++t)
-                      for (const Term& term : terms_)
+                      for (const Term& term : terms_) {
+                        Scalar value = field(t, term.output);
+                        if (!std::isfinite(value)) [[unlikely]] {
+                          if (reads(t, term.axis))
+                            detail::throw_not_finite(t, term.output, static_cast<double>(value));
+                          value = 0;
+                        }
                         slopes(static_cast<Eigen::Index>(t), term.component * D + term.axis) +=
-                            term.factor * field(t, term.output);
+                            term.factor * value;
+                      }
                   });
   gradient_.apply_transpose(field_of(std::as_const(slopes)), out);
+}
+
+template <class Scalar>
+bool VectorOperator<Scalar>::reads(std::size_t target, int axis) const {
+  const auto row = gradient_.row(target);
+  for (std::size_t i = 0; i < row.size(); ++i)
+    if (row.value(i, axis) != 0) return true;
+  return false;
 }
 
 template <class Scalar>

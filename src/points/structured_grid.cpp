@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 namespace recon {
 
@@ -11,6 +13,27 @@ using detail::require;
 
 constexpr double most_nodes = 4294967294.0;  // 2^32 - 2: node numbers are 32-bit
 
+std::string along(const char* what, int axis) {
+  return std::string(what) + " along " + "xyz"[axis];
+}
+
+// Two neighbours have different coordinates, whatever the rounding of these, where the spacing is
+// twice as large as the rounding of the largest.
+template <class Scalar>
+void require_distinct_nodes(const StructuredGrid<Scalar>& grid, int axis) {
+  const Scalar last = grid.coordinate(grid.counts[axis] - 1, axis);
+  if (!std::isfinite(last))
+    detail::throw_invalid(along("last node of the grid", axis), last, "must be finite");
+  const Scalar rounding = std::numeric_limits<Scalar>::epsilon() *
+                          std::max(std::abs(grid.origin[axis]), std::abs(last));
+  if (grid.counts[axis] > 1 && !(grid.spacing[axis] >= 2 * rounding))
+    detail::throw_invalid(along("grid spacing", axis), grid.spacing[axis],
+                          "must be larger: from the origin " + detail::to_text(grid.origin[axis]) +
+                              " to " + detail::to_text(last) +
+                              " neighbouring nodes would have the same coordinate in " +
+                              (sizeof(Scalar) == sizeof(float) ? "float" : "double"));
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -19,10 +42,13 @@ void StructuredGrid<Scalar>::validate() const {
           "must be 1, 2 or 3");
   double nodes = 1;
   for (int d = 0; d < dimension; ++d) {
-    require(std::isfinite(spacing[d]) && spacing[d] > 0, "grid spacing", spacing[d],
-            "must be positive and finite");
-    require(std::isfinite(origin[d]), "grid origin", origin[d], "must be finite");
-    require(counts[d] >= 1, "grid nodes along an axis", counts[d], "must be at least 1");
+    if (!(std::isfinite(spacing[d]) && spacing[d] > 0))
+      detail::throw_invalid(along("grid spacing", d), spacing[d], "must be positive and finite");
+    if (!std::isfinite(origin[d]))
+      detail::throw_invalid(along("grid origin", d), origin[d], "must be finite");
+    if (counts[d] < 1)
+      detail::throw_invalid(along("grid nodes", d), counts[d], "must be at least 1");
+    require_distinct_nodes(*this, d);
     nodes *= static_cast<double>(counts[d]);
   }
   require(nodes <= most_nodes, "grid nodes", nodes,

@@ -173,6 +173,52 @@ TEST(KernelSums, TakeAllParticlesInTheSupportOfTheKNearest) {
   }
 }
 
+// W scales with rho^-D down to where it is no normal number any more; there is an error with the
+// radius, and never a W without its digits.
+template <class Scalar>
+void check_scales(int dimension, const std::vector<double>& good, const std::vector<double>& bad) {
+  const std::vector<std::array<Scalar, 3>> unit{
+      {0, 0, 0}, {Scalar(0.5), 0, 0}, {0, Scalar(0.25), 0}};
+  const std::vector<Scalar> mass{3, 1, 2};
+  const auto sums = [&](double radius) {
+    std::vector<Scalar> x[3];
+    for (const auto& at : unit)
+      for (int d = 0; d < 3; ++d) x[d].push_back(static_cast<Scalar>(at[d] * radius));
+    const PointsView<Scalar> points = dimension == 1   ? points_of(x[0])
+                                      : dimension == 2 ? points_of(x[0], x[1])
+                                                       : points_of(x[0], x[1], x[2]);
+    const BasicSources<Scalar> sources(points);
+    const std::vector<double> radii{radius, 2 * radius, radius};
+    return kernel_operator<Scalar>(sources, points, {.support = Radii{radii}})
+        .apply(field_of(mass))
+        .template cast<double>()
+        .eval();
+  };
+  const MatrixXd reference = sums(1);
+  const double eps = std::numeric_limits<Scalar>::epsilon();
+  for (const double radius : good) {
+    const MatrixXd scaled = sums(radius);
+    for (int t = 0; t < 3; ++t)
+      EXPECT_NEAR(scaled(t, 0) * std::pow(radius, dimension) / reference(t, 0), 1, 40 * eps)
+          << radius << " in " << dimension << "-D";
+  }
+  const std::string precision = sizeof(Scalar) == 4 ? "in float" : "in double";
+  for (const double radius : bad)
+    EXPECT_THAT(message_of([&] { sums(radius); }),
+                ::testing::AllOf(HasSubstr("support radius of target 0 in a kernel sum = " +
+                                           detail::to_text(static_cast<Scalar>(radius)) +
+                                           ": must have a 1 / (c "),
+                                 HasSubstr("normal number " + precision)));
+}
+
+TEST(KernelSums, KeepTheirDigitsOrNameTheRadius) {
+  check_scales<float>(3, {1e-12, 1e-9, 1e12}, {1e-13, 1e-16, 1e13, 1e16});
+  check_scales<float>(2, {1e-18, 1e18}, {});
+  check_scales<float>(1, {1e-18, 1e18}, {});
+  check_scales<double>(3, {1e-102, 1e-60, 1e102}, {1e-103, 1e-120, 1e103, 1e120});
+  check_scales<double>(2, {1e-150, 1e150}, {});
+}
+
 // Narrow weights have all of their integral near 0; closed forms of those that have one.
 TEST(KernelSums, IntegralsOfNarrowWeights) {
   const double pi = std::acos(-1.0);

@@ -286,7 +286,7 @@ TEST(Reconstruct, BadInputIsNamed) {
   EXPECT_THAT(error({.neighbours = Radius{-0.5}}), HasSubstr("-0.5"));
   EXPECT_THAT(error({.neighbours = Radius{std::nan("")}}), HasSubstr("nan"));
   EXPECT_THAT(error({.neighbours = Nearest{5, 0.9}}), HasSubstr("0.9"));
-  EXPECT_THAT(error({.stretch = {1, 0, 1}}), HasSubstr("stretch = 0"));
+  EXPECT_THAT(error({.stretch = {1, 0, 1}}), HasSubstr("stretch along y = 0"));
   EXPECT_THAT(error({.grow = {.steps = 3, .factor = 1}}), HasSubstr("grow.factor"));
   EXPECT_THAT(error({.threads = -2}), HasSubstr("threads = -2"));
   EXPECT_THAT(error({.domain = {{0, 0}, {0, 1}, {true, false}}}), HasSubstr("period"));

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recon/operators/kernel_sum.hpp"
 #include "recon/operators/reconstruct.hpp"
+#include "recon/operators/sparse.hpp"
 #include "recon/points/generate.hpp"
 #include "support/message_of.hpp"
 
@@ -172,13 +174,29 @@ TEST(Sources, WhatWasMadeBeforeAnUpdateIsRefused) {
   const Sources copy = sources;  // the same cloud
   Reconstruction fit = reconstruct(copy, points_of(points));
   const CsrOperator<double> gradient = fit.gradient(), values = fit.values();
+  CsrOperator<double> sum = values;
+  const VectorOperator<double> divergence = std::get<0>(fit.operators(Functional::divergence));
+  const std::vector<std::array<double, 2>> v(600);
+  const CsrOperator<double> kernels =
+      kernel_operator(copy, points_of(points), {.support = Radius{0.2}});
   const Reconstruction kept = fit;
   sources.update(points_of(moved));
   for (const auto& use : std::vector<std::function<void()>>{
            [&] { fit.apply(field_of(u)); }, [&] { fit.apply_transpose(field_of(u)); },
            [&] { fit.hessian(); }, [&] { gradient.apply(field_of(u)); },
-           [&] { values.apply_transpose(field_of(u)); }, [&] { kept.apply(field_of(u)); }})
+           [&] { values.apply_transpose(field_of(u)); }, [&] { kept.apply(field_of(u)); },
+           [&] { fit.report(); }, [&] { fit.neighbours(); }, [&] { fit.support(3); },
+           [&] { values.row(3); }, [&] { values.empty_rows(); }, [&] { to_sparse(gradient); },
+           [&] { sum += values; }, [&] { sum -= values; }, [&] { sum *= 2; },
+           [&] { divergence.apply(field_of(v)); }, [&] { divergence.apply_transpose(field_of(u)); },
+           [&] { fit.operators(Functional::value); }})
     EXPECT_THAT(message_of(use), HasSubstr("update() of the reconstruction"));
+  // A kernel operator has no update().
+  for (const auto& use : std::vector<std::function<void()>>{
+           [&] { kernels.apply(field_of(u)); }, [&] { kernels.row(0); }, [&] { kernels * 2.0; }})
+    EXPECT_EQ(message_of(use),
+              "positions = those before an update of the Sources: must be the present ones: make "
+              "the kernel operator anew");
   fit.update(points_of(moved));
   EXPECT_EQ(message_of([&] { fit.apply(field_of(u)); }), "no InvalidArgument was thrown");
   EXPECT_THAT(message_of([&] { kept.apply(field_of(u)); }), HasSubstr("update()"));
@@ -220,11 +238,12 @@ TEST(Sources, RefusedInputChangesNothing) {
   expect_same_bits(fit,
                    reconstruct(points_of(points), points_of(points), {.particle_weights = weights}),
                    600, "after all these");
-  for (const Options& options :
-       {Options{.particle_weights = weights}, Options{.stretch = {1, 2, 1}},
-        Options{.domain = {{0, 0}, {1, 1}, {true, true, false}}}})
-    EXPECT_THAT(message_of([&] { reconstruct(sources, points_of(points), options); }),
-                HasSubstr("belongs to the Sources"));
+  for (const auto& [options, what] : std::vector<std::pair<Options, std::string>>{
+           {{.particle_weights = weights}, "particle_weights = 600"},
+           {{.stretch = {1, 2, 1}}, "stretch = {1, 2, 1}"},
+           {{.domain = {{0, 0}, {1, 1}, {true, true, false}}}, "domain = periodic along x, y"}})
+    EXPECT_THAT(message_of([&, &o = options] { reconstruct(sources, points_of(points), o); }),
+                HasSubstr(what + ": belongs to the Sources"));
 }
 
 // What fails in the middle leaves a reconstruction of no targets, which an update mends.

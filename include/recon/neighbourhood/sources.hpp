@@ -16,8 +16,9 @@
 //
 // A copy of Sources is the same cloud, not another one: it is owned jointly by all copies and by
 // what was made of it. An update makes that stale: a reconstruction or an operator of the positions
-// before throws InvalidArgument when it is applied or asked for derivatives, until its own
-// update(). Nobody may read while somebody updates.
+// before throws InvalidArgument when it is applied, scaled or added to, or asked for derivatives,
+// rows, neighbours or reports. A reconstruction is mended by its own update(), an operator is made
+// anew. Nobody may read while somebody updates.
 //
 // Memory: about 60 bytes for each particle in 3-D (double), and 24 more from the first update on.
 #pragma once

@@ -14,8 +14,13 @@
 // InvalidArgument, naming target (or particle) and component. Results are never NaN or infinite,
 // but for `fill`.
 //
+// A number that is multiplied by 0 everywhere is not needed, and may be anything, NaN too: that of a
+// particle on the border of a support, where the weight is 0, or of a target whose row is all zero.
+// The result is that with any finite number in its place. Trusted products do not look, and make
+// NaN of it.
+//
 // An operator made of Sources (neighbourhood/sources.hpp) is of their positions at that time: after
-// an update of the Sources apply() and apply_transpose() throw InvalidArgument.
+// an update of the Sources its products, sums and rows throw InvalidArgument.
 //
 // Rows without support hold no entries; apply() writes `fill` there, the transpose ignores them.
 // An operator is linear and never limited; limiting is a way to apply a reconstruction (limit.hpp).
@@ -55,13 +60,15 @@ struct SparsityPattern {
   // The Sources that it was made of, and the count of their updates at that time.
   std::shared_ptr<const detail::Cloud<Scalar>> cloud;
   std::uint64_t version = 0;
+  // What helps after an update of the Sources.
+  const char* remedy = "call update() of the reconstruction, and ask it for its operators anew";
 
   std::size_t rows() const { return neighbours.targets(); }
   std::size_t target(std::size_t row) const { return target_of.empty() ? row : target_of[row]; }
   // The row of a target; the places of all are made on first use.
   std::size_t row(std::size_t target) const;
 
-  // Throws InvalidArgument where the Sources have been updated since.
+  // Throws InvalidArgument, with the remedy, where the Sources have been updated since.
   void require_current() const;
 
   // The entries of each particle in ascending order, made on first use. Column i belongs to
@@ -124,6 +131,7 @@ class CsrOperator {
   // The row of target t; one of a temporary operator, as in fit.gradient().row(t), would dangle:
   // give the operator a name. For all entries as a matrix see to_sparse() (operators/sparse.hpp).
   Row row(std::size_t target) const& {
+    pattern_->require_current();
     const std::size_t row = pattern_->row(target);
     return {this, pattern_->neighbours.offsets[row], pattern_->neighbours.offsets[row + 1]};
   }
@@ -134,7 +142,9 @@ class CsrOperator {
   int threads() const { return threads_; }
 
   // Operators on one pattern, as those of one reconstruction are, add up, entry by entry; the fill
-  // value is that of the left one. Throws InvalidArgument for other patterns or numbers of blocks.
+  // value is that of the left one. Throws InvalidArgument for other patterns or numbers of blocks,
+  // and where an entry of the result is not finite, naming target and particle; the operator stays
+  // as it was then.
   CsrOperator& operator+=(const CsrOperator& other) { return add(other, Scalar(1)); }
   CsrOperator& operator-=(const CsrOperator& other) { return add(other, Scalar(-1)); }
   CsrOperator& operator*=(Scalar factor);
@@ -144,8 +154,8 @@ class CsrOperator {
   friend CsrOperator operator*(CsrOperator a, Scalar factor) { return std::move(a *= factor); }
 
   // A row per target. Throws InvalidArgument where the field has not one value per particle, and
-  // where a value that a row reads is not finite, naming the particle and the component; those that
-  // are in no row are not looked at.
+  // where a value that a row needs is not finite, naming the particle and the component; those that
+  // are in no row, or have the coefficient 0 in all of them, may be anything.
   Matrix apply(const FieldView<Scalar>& field) const;
   // The same into your own array, of rows() points and field.components() * blocks() components. It
   // must not overlap the input. With `trusted` as data nothing is checked but sizes (limit.hpp).
@@ -153,12 +163,19 @@ class CsrOperator {
   void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
              Data data = Data::checked) const;
 
-  // A row per particle. The field has rows() values, with components a multiple of blocks().
+  // A row per particle. The field has rows() values, with components a multiple of blocks(). One
+  // that is not finite throws as above, naming target and component.
   Matrix apply_transpose(const FieldView<Scalar>& field) const;
   void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
 
  private:
   CsrOperator& add(const CsrOperator& other, Scalar factor);
+  // Replaces each number i of values_ by changed(i); throws, and changes nothing, where one of these
+  // is not finite.
+  template <class Changed>
+  void change_values(const Changed& changed);
+  // Has any entry of the row a number other than 0 in this block?
+  bool reads(std::size_t row, int block) const;
 
   // For a reconstruction, whose values may be limited: `limited` has a count per target.
   friend class BasicReconstruction<Scalar>;

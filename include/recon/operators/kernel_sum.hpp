@@ -10,6 +10,9 @@
 // wall or a free surface part of the support is empty, and s falls off over one support radius; it
 // is not divided by the part that is filled: that is reconstruct() with degree 0.
 //
+// 1 / (c rho^D) must be a normal number of the precision, so that no digit is lost: in 3-D for rho
+// from about 1e-12 to 1e12 in float, and from 1e-102 to 1e102 in double.
+//
 // ```cpp
 // auto rho = recon::kernel_sum(sources, targets, mass, recon::Weight::cubic_b_spline, 2 * h);
 // ```
@@ -34,8 +37,9 @@ struct KernelOptions {
 };
 
 // The sums as an operator: a row per target with the W of its particles, 1 / length^D. Of no
-// particle the sum is 0. Throws InvalidArgument for bad targets and rules, and for weights without
-// an integral.
+// particle the sum is 0. Throws InvalidArgument for bad targets and rules, for weights without an
+// integral, and for a rho whose 1 / (c rho^D) is not a normal number, naming target, rho and
+// precision.
 template <class Scalar>
 CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
                                     const PointsView<Scalar>& targets,

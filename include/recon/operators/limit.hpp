@@ -52,8 +52,8 @@ struct LimitCount {
 };
 
 // Are data known to be finite? Trusted data are not looked at: NaN and infinity then pass into the
-// results, and so do sums that leave the range of numbers on their way. fit.apply(u, out,
-// recon::trusted).
+// results, also from particles with the coefficient 0, and so do sums that leave the range of
+// numbers on their way. fit.apply(u, out, recon::trusted).
 enum class Data : std::uint8_t { checked, trusted };
 inline constexpr Data trusted = Data::trusted;
 

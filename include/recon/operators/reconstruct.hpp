@@ -132,6 +132,8 @@ class BasicReconstruction {
     (std::index_sequence_for<Functionals...>{});
   }
 
+  // What became of each target. After an update of the Sources, report(), neighbours() and support()
+  // throw InvalidArgument until update(), as all use of the fit does.
   const FitReports& report() const;
   // Who was near each target, and its support: a copy. A target whose status is `nearest` has the
   // nearest particle and a support that reaches it, not the one asked for. Among particles at the
@@ -140,6 +142,7 @@ class BasicReconstruction {
   NeighbourList<Scalar> neighbours() const;
   // The support radius of target t, a length.
   Scalar support(std::size_t target) const;
+
   int dimension() const;
 
  private:

@@ -9,7 +9,7 @@ namespace recon {
 
 // Rows are targets times blocks (row t * blocks + b), columns particles; row-major. Entries of one
 // particle in one row (periodic images) are summed. Rows without support are empty: there is no
-// fill value.
+// fill value. Throws InvalidArgument where the Sources have been updated since.
 template <class Scalar>
 Eigen::SparseMatrix<Scalar, Eigen::RowMajor, std::int64_t> to_sparse(
     const CsrOperator<Scalar>& op) {

@@ -30,7 +30,8 @@ class VectorOperator {
   int outputs() const { return outputs_; }                     // components at a target
 
   // A row per target; the fill value of the gradient where there is no support. Throws
-  // InvalidArgument as CsrOperator does, and for fields of other than inputs() components.
+  // InvalidArgument as CsrOperator does, naming the components of these fields, and for fields of
+  // other than inputs() components.
   Matrix apply(const FieldView<Scalar>& field) const;
   void apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
   // A row per particle, of fields of outputs() components.
@@ -42,6 +43,10 @@ class VectorOperator {
     int output, component, axis;
     Scalar factor;
   };
+
+  Scalar mended(const FieldView<Scalar>& field, std::size_t target, int output) const;
+  // Has any particle a slope other than 0 along the axis at this target?
+  bool reads(std::size_t target, int axis) const;
 
   CsrOperator<Scalar> gradient_;
   std::vector<Term> terms_;

@@ -37,8 +37,9 @@ struct StructuredGrid {
   };
   Nodes nodes() const;
 
-  // Throws InvalidArgument for a dimension outside 1..3, a spacing that is not positive and finite,
-  // an origin that is not finite, and more than 2^32 - 2 nodes.
+  // Throws InvalidArgument for a dimension outside 1..3, a spacing that is not positive and finite
+  // or so small that neighbouring nodes could have the same coordinate (below twice the rounding of
+  // the coordinates), an origin or a last node that is not finite, and more than 2^32 - 2 nodes.
   void validate() const;
 };
 
