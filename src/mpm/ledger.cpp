@@ -56,7 +56,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
             shape_of.shape(problem.grid, particles, p, shape);
             const double m = particles.mass[p];
             const Vector<D> momentum = m * particles.v[p];
-            const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration);
+            const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration, trusted);
             sum.mass += m;
             add<D>(sum.momentum, momentum);
             add_angular<D>(sum.angular, particles.x[p], momentum);

@@ -288,7 +288,7 @@ void Simulation<D>::scatter(Shape shape_of) {
       if (modes > 0) {
         scratch.modes.fill(grid, shape_of.functions.axes(grid, particles.x[p]), particles.x[p],
                            mode_set(method.velocity));
-        scratch.modes.add_to(scratch.velocity, shape.size(), &particles.modes[p * modes]);
+        scratch.modes.add_to(scratch.velocity, shape.size(), &particles.modes[p * modes], trusted);
       }
     }
     spread([&](std::size_t k) -> const Vector<D>& { return scratch.velocity[k]; });
@@ -342,7 +342,7 @@ std::vector<Vector<D>> Simulation<D>::filtered(std::vector<Vector<D>> velocity) 
                         Seen shape;
                         for (std::size_t p = begin; p < end; ++p) {
                           shape_of.shape(grid, particles, p, shape);
-                          seen[p] = shape.value(left);
+                          seen[p] = shape.value(left, trusted);
                         }
                       });
       const auto rows = [&](std::size_t p) {
@@ -424,7 +424,7 @@ void Simulation<D>::strain_by_map() {
     typename decltype(shape_of)::template Nodes<D> shape;
     for (std::size_t p = 0; p < particles.size(); ++p) {
       shape_of.shape(problem_.grid, particles, p, shape);
-      const Matrix<D> L = shape.gradient(nodes_.velocity);
+      const Matrix<D> L = shape.gradient(nodes_.velocity, trusted);
       strain(p, L, (Matrix<D>::Identity() + last_dt_ * L) * particles.F[p], last_dt_);
     }
   });
@@ -446,22 +446,22 @@ void Simulation<D>::gather(Shape shape_of, const std::vector<Vector<D>>& carried
                     auto& shape = scratch.shape;
                     for (std::size_t p = begin; p < end; ++p) {
                       shape_of.shape(grid, particles, p, shape);
-                      const Matrix<D> L = shape.gradient(straining);
-                      const Vector<D> v = shape.value(carried);
+                      const Matrix<D> L = shape.gradient(straining, trusted);
+                      const Vector<D> v = shape.value(carried, trusted);
                       if constexpr (is_product<D, Shape>) {
                         if (modes > 0) {
                           scratch.modes.fill(grid, shape_of.functions.axes(grid, particles.x[p]),
                                              particles.x[p], mode_set(map));
                           for (int r = 0; r < scratch.modes.count(); ++r)
                             particles.modes[p * modes + static_cast<std::size_t>(r)] =
-                                scratch.modes.coefficient(r, shape, carried);
+                                scratch.modes.coefficient(r, shape, carried, trusted);
                         }
                       }
                       if (strains)
                         strain(p, L, (Matrix<D>::Identity() + dt * L) * particles.F[p], dt);
                       move(p, particles.x[p] + dt * v);
                       if (flip)
-                        particles.v[p] += kick * shape.value(nodes_.acceleration);
+                        particles.v[p] += kick * shape.value(nodes_.acceleration, trusted);
                       else
                         particles.v[p] = v;
                       shape_of.move(grid, particles, p, carried, dt);
@@ -536,9 +536,9 @@ void Simulation<D>::advance_runge_kutta(double dt) {
                         for (std::size_t p = begin; p < end; ++p) {
                           shape_of.shape(problem_.grid, particles, p, shape);
                           Rates rates;
-                          rates.x = shape.value(nodes_.velocity);
-                          rates.v = shape.value(nodes_.acceleration);
-                          rates.L = shape.gradient(nodes_.velocity);
+                          rates.x = shape.value(nodes_.velocity, trusted);
+                          rates.v = shape.value(nodes_.acceleration, trusted);
+                          rates.L = shape.gradient(nodes_.velocity, trusted);
                           rates.F = rates.L * particles.F[p];
                           sum[p].add(weight[stage] / 6, rates);
                           const Rates& to = last ? sum[p] : rates;

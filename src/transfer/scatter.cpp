@@ -18,10 +18,22 @@ void SlabOrder::sort(std::uint32_t thickness, std::size_t slabs, int threads) {
   begin_ = sort_->first();
 }
 
-void throw_rows(std::size_t particle, int first, int last) {
-  throw InvalidArgument("rows of particle " + std::to_string(particle),
-                        std::to_string(first) + " to " + std::to_string(last),
+void throw_rows(int first, int last) {
+  throw InvalidArgument("rows", std::to_string(first) + " to " + std::to_string(last),
                         "must be the first and the last index of a node, from 0 on");
+}
+
+void throw_for_particle(std::size_t particle, const InvalidArgument& error) {
+  throw InvalidArgument("particle " + std::to_string(particle) + ": " + error.argument(),
+                        error.value(), error.rule());
+}
+
+void throw_amount(std::size_t particle, double value, std::size_t component) {
+  try {
+    throw_component(added_amount, value, component, "must be finite");
+  } catch (const InvalidArgument& error) {
+    throw_for_particle(particle, error);
+  }
 }
 
 }  // namespace recon::detail

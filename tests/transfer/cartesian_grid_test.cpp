@@ -53,19 +53,50 @@ TEST(GridErrors, NameArgumentValueAndRule) {
   };
   EXPECT_EQ(made(1, 0), "grid spacing = 0: must be positive and finite");
   EXPECT_EQ(made(1, nan), "grid spacing = nan: must be positive and finite");
-  EXPECT_EQ(made(1.125, 0.25),
-            "edge of the grid in cells = 4.5: must be a whole number of cells, at least one");
+  EXPECT_EQ(
+      made(1.125, 0.25),
+      "edge of the grid along y in cells = 4.5: must be a whole number of cells, at least one");
   for (const double upper : {0.0, -1.0, nan, infinity})
-    EXPECT_NE(made(upper, 0.25).find("edge of the grid in cells"), std::string::npos) << upper;
+    EXPECT_NE(made(upper, 0.25).find("edge of the grid along y in cells"), std::string::npos)
+        << upper;
   EXPECT_NE(message_of([&] {
               CartesianGrid<1>(SpaceVector<1>(0), SpaceVector<1>(1e10), 1);
             }).find("edge of the grid"),
             std::string::npos);
   const CartesianGrid<1> grid(SpaceVector<1>(0), SpaceVector<1>(1), 0.25);
-  EXPECT_EQ(message_of([&] { grid.cell(nan, 0); }),
-            "coordinate of a particle along axis 0 = nan: must be finite");
+  EXPECT_EQ(message_of([&] { grid.cell(nan, 0); }), "coordinate x = nan: must be finite");
   EXPECT_EQ(message_of([&] { grid.cell_number(std::array{infinity}); }),
-            "coordinate of a particle along axis 0 = inf: must be finite");
+            "coordinate x = inf: must be finite");
+}
+
+// Nodes that round to one place, at either end of the grid.
+TEST(GridErrors, NeighbouringNodesHavePlacesOfTheirOwn) {
+  using recon::testing::message_of;
+  const double ulp = std::numeric_limits<double>::epsilon();
+  EXPECT_EQ(
+      message_of([&] { CartesianGrid<1>(SpaceVector<1>(8), SpaceVector<1>(8 + 16 * ulp), ulp); }),
+      "grid spacing along x = 2.2204460492503131e-16: must be larger: from the origin 8 to "
+      "8.0000000000000036 neighbouring nodes would have the same coordinate in double");
+  const CartesianGrid<1> fine(SpaceVector<1>(1 - 64 * ulp), SpaceVector<1>(1), 2 * ulp);
+  for (std::uint32_t i = 1; i < fine.size(); ++i)
+    EXPECT_LT(fine.position(i - 1)[0], fine.position(i)[0]) << i;
+}
+
+// A grid that nothing has been assigned to has nothing, and says so.
+TEST(GridErrors, AGridWithoutCellsIsNamed) {
+  using recon::testing::message_of;
+  const CartesianGrid<2> none;
+  EXPECT_EQ(none.size(), 0u);
+  EXPECT_EQ(none.cell_count(), 0u);
+  EXPECT_FALSE(none.contains(SpaceVector<2>(0, 0)));
+  const std::string rule = "grid = without cells: must be made with its box and its spacing";
+  for (const double x : {0.0, 0.5, -1.0, std::nan("")}) {
+    EXPECT_EQ(message_of([&] { none.cell(x, 1); }), rule);
+    EXPECT_EQ(message_of([&] { none.cell_number(SpaceVector<2>(x, x)); }), rule);
+  }
+  EXPECT_NE(message_of([&] { none.nodes().validate(); }).find("grid nodes along x = 0"),
+            std::string::npos)
+      << message_of([&] { none.nodes().validate(); });
 }
 
 }  // namespace

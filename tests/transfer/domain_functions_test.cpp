@@ -215,22 +215,41 @@ TEST(DomainErrors, NameWhatIsWrong) {
       GimpFunctions::at(grid, {x, SpaceVector<2>(along_x, along_y)}, shape);
     });
   };
-  const std::string rule = "must be positive and at most 32 along an axis";
-  EXPECT_EQ(box(0.01, 0), "particle domain in cells = 0: " + rule);
-  EXPECT_NE(box(0.01, -0.1).find(rule), std::string::npos);
-  EXPECT_NE(box(0.5, 0.01).find(rule), std::string::npos);
-  EXPECT_NE(box(std::nan(""), 0.01).find("coordinate"), std::string::npos);
+  const std::string edge = "half edge of the particle domain along ";
+  EXPECT_EQ(box(0.01, 0), edge + "y = 0: must be positive and finite");
+  EXPECT_EQ(box(-0.25, 0.01), edge + "x = -0.25: must be positive and finite");
+  EXPECT_EQ(box(std::nan(""), 0.01), edge + "x = nan: must be positive and finite");
+  EXPECT_EQ(box(0.5, 0.01), "cells of the particle domain along x = 50: must be at most 32");
+  EXPECT_EQ(message_of([&] {
+              GimpFunctions::nodes_along(grid, BoxDomain<2>{x, {0.01, -0.25}}, 1);
+            }),
+            edge + "y = -0.25: must be positive and finite");
+  // Most of a wide box may lie beyond the grid.
+  EXPECT_EQ(message_of([&] {
+              GimpFunctions::at(unit_grid<2>(8), {x, SpaceVector<2>(10, 10)}, shape);
+            }),
+            "no InvalidArgument was thrown");
   SpaceMatrix<2> flat;
   flat << 0.25, 0.5, 0.25, 0.5;
+  EXPECT_EQ(
+      message_of([&] {
+        Cpdi1Functions::at(grid, ParallelepipedDomain<2>{x, flat}, shape);
+      }),
+      "determinant of the half edges of the particle domain = 0: must be finite and not zero");
+  flat(1, 0) = HUGE_VAL;
   EXPECT_EQ(message_of([&] {
               Cpdi1Functions::at(grid, ParallelepipedDomain<2>{x, flat}, shape);
             }),
-            "determinant of the half edges of a particle domain = 0: must be finite and not zero");
+            "component y of half edge 0 of the particle domain = inf: must be finite");
   EXPECT_EQ(message_of([&] {
               CornerDomain<2>({x, x, x, x});
             }),
-            "volume of a particle domain = 0: must be finite and not zero: its corners must span a "
-            "cell");
+            "volume of the particle domain = 0: must be finite and not zero: its corners must span "
+            "a cell");
+  EXPECT_EQ(message_of([&] {
+              CornerDomain<2>({x, x, SpaceVector<2>(0, std::nan("")), x});
+            }),
+            "coordinate y of corner 2 of the particle domain = nan: must be finite");
 }
 
 }  // namespace

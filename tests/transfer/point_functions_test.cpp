@@ -421,7 +421,7 @@ TEST(Elements, NeedAnEvenNumberOfCells) {
       functions.at(unit_grid<2>(cells), SpaceVector<2>(0.5, 0.9), shape);
     } catch (const InvalidArgument& error) {
       return std::string(error.what()) ==
-             "cells of the grid along an axis = 5: must be even with elements of 2 x 2 cells";
+             "cells of the grid along x = 5: must be even with elements of 2 x 2 cells";
     }
     return false;
   };

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "recon/points/make_view.hpp"
 #include "support/message_of.hpp"
 #include "support/space.hpp"
 
@@ -310,21 +311,59 @@ TYPED_TEST(Transfer, PointsBeyondTheGridAreThoseOnItsFace) {
   EXPECT_LE((at.value(place) - off).norm(), 1e-13);
 }
 
-TYPED_TEST(Transfer, RefusesPointsThatAreNotFinite) {
+// A point or domain that is refused is named by its particle, the first of several, before anything
+// has been written, on whichever axis it is wrong.
+TYPED_TEST(Transfer, RefusesDomainsBeforeAnythingIsWritten) {
   constexpr int D = TypeParam::value;
-  for (const double bad : {nan, std::numeric_limits<double>::infinity()}) {
-    Cloud<D> cloud(4, 50);
-    cloud.x[31][D - 1] = bad;
-    const std::string rule = "coordinate of a particle along axis " + std::to_string(D - 1);
-    with_functions<D>(cloud, [&](const auto& functions, const auto& domain_of, const char* name) {
-      // A box about an infinite point ends at one that is no number.
-      const auto add = [&](std::size_t, const auto&) {};
+  const auto check = [](const Cloud<D>& cloud, const auto& functions, const auto& domain_of,
+                        const std::string& expected) {
+    for (const int threads : {1, 3}) {
+      int written = 0;
+      const auto count = [&](std::size_t, const auto&) { ++written; };
       for (const std::string& words :
-           {message_of([&] { scatter(cloud.grid, functions, cloud.size(), domain_of, add, 3); }),
-            message_of([&] { gather(cloud.grid, functions, cloud.size(), domain_of, add, 3); })})
-        EXPECT_TRUE(words.find(rule) == 0 || words.find("volume of a particle domain") == 0)
-            << name << ": " << words;
-    });
+           {message_of(
+                [&] { scatter(cloud.grid, functions, cloud.size(), domain_of, count, threads); }),
+            message_of(
+                [&] { gather(cloud.grid, functions, cloud.size(), domain_of, count, threads); })})
+        EXPECT_EQ(words.find("particle 31: " + expected), 0) << words << " not: " << expected;
+      EXPECT_EQ(written, 0) << expected;
+    }
+  };
+  for (const double bad : {nan, std::numeric_limits<double>::infinity()})
+    for (int d = 0; d < D; ++d) {
+      Cloud<D> cloud(4, 50);
+      cloud.x[31][d] = cloud.x[40][0] = bad;
+      const std::string coordinate = std::string("coordinate ") + "xyz"[d];
+      with_functions<D>(cloud, [&](const auto& functions, const auto& domain_of, const char*) {
+        check(cloud, functions, domain_of, coordinate);
+      });
+      // Also where functions of one's own have no check().
+      check(
+          cloud, NearestNode{}, [&](std::size_t p) { return cloud.x[p]; },
+          coordinate + (std::isnan(bad) ? " = nan" : " = inf"));
+    }
+  for (int d = 0; d < D; ++d) {
+    Cloud<D> cloud(4, 50);
+    const std::string axis(1, "xyz"[d]);
+    const auto box = [&](std::size_t p) {
+      SpaceVector<D> half = SpaceVector<D>::Constant(0.1);
+      if (p == 31) half[d] = -0.125;
+      return BoxDomain<D>{cloud.x[p], half};
+    };
+    check(cloud, GimpFunctions{}, box,
+          "half edge of the particle domain along " + axis + " = -0.125: must be positive");
+    cloud.H[31].col(d).setZero();
+    const auto flat = [&](std::size_t p) {
+      return ParallelepipedDomain<D>{cloud.x[p], cloud.H[p]};
+    };
+    check(cloud, Cpdi1Functions{}, flat, "determinant of the half edges");
+    const auto corners = [&](std::size_t p) {
+      if (p != 31) return CornerDomain<D>(corners_of(flat(p)));
+      DomainCorners<D> none;
+      none.fill(SpaceVector<D>::Zero());
+      return CornerDomain<D>(none);
+    };
+    check(cloud, Cpdi2Functions{}, corners, "volume of the particle domain = 0");
   }
 }
 
@@ -337,9 +376,164 @@ TEST(ScatterErrors, NameTheParticle) {
     });
   };
   EXPECT_EQ(words(-1, 1),
-            "rows of particle 2 = -1 to 1: must be the first and the last index of a node, from 0 "
+            "particle 2: rows = -1 to 1: must be the first and the last index of a node, from 0 "
             "on");
-  EXPECT_NE(words(3, 2).find("rows of particle 2 = 3 to 2"), std::string::npos);
+  EXPECT_NE(words(3, 2).find("particle 2: rows = 3 to 2"), std::string::npos);
+  const Cloud<2> cloud(3, 7);
+  const auto place = [&](std::size_t p) { return cloud.x[p]; };
+  EXPECT_EQ(message_of([&] {
+              scatter(cloud.grid, NineNodeFunctions{}, 7, place, [](std::size_t, const auto&) {});
+            }),
+            "particle 0: cells of the grid along x = 3: must be even with elements of 2 x 2 cells");
+  EXPECT_EQ(message_of([&] {
+              scatter(CartesianGrid<2>(), SplineFunctions<2>{}, 7, place,
+                      [](std::size_t, const auto&) {});
+            }),
+            "particle 0: grid = without cells: must be made with its box and its spacing");
+}
+
+// ---- data that are no numbers ----
+
+TEST(TransferData, AmountsThatAreNotFiniteAreNamed) {
+  const Cloud<2> cloud(4, 50);
+  const auto place = [&](std::size_t p) { return cloud.x[p]; };
+  std::vector<double> mass(cloud.grid.size());
+  std::vector<SpaceVector<2>> flow(cloud.grid.size(), SpaceVector<2>::Zero());
+  std::vector<std::array<float, 2>> array(cloud.grid.size());
+  const auto words = [&](const auto& add) {
+    return message_of([&] { scatter(cloud.grid, LinearFunctions{}, 50, place, add); });
+  };
+  const auto bad = [](std::size_t p, double value) { return p == 17 ? value : 1.0; };
+  const std::string amount = " of the amount that is added to nodes = ";
+  EXPECT_EQ(words([&](std::size_t p, const auto& at) { at.add(mass, bad(p, nan)); }),
+            "particle 17: component 0" + amount + "nan: must be finite");
+  EXPECT_EQ(words([&](std::size_t p, const auto& at) {
+              at.add(flow, SpaceVector<2>(1, bad(p, -HUGE_VAL)) * 2);
+            }),
+            "particle 17: component 1" + amount + "-inf: must be finite");
+  EXPECT_EQ(
+      words([&](std::size_t p, const auto& at) { at.add(array, SpaceVector<2>(bad(p, nan), 1)); }),
+      "particle 17: component 0" + amount + "nan: must be finite");
+  EXPECT_EQ(words([&](std::size_t p, const auto& at) {
+              at.add_gradient(flow, SpaceMatrix<2>{{1, 2}, {bad(p, nan), 4}});
+            }),
+            "particle 17: component 2 of the flux that is added to nodes = nan: must be finite");
+  // Trusted ones pass.
+  EXPECT_EQ(words([&](std::size_t p, const auto& at) { at.add(mass, bad(p, nan), trusted); }),
+            "no InvalidArgument was thrown");
+  double sum = 0;
+  for (const double m : mass) sum += m;
+  EXPECT_TRUE(std::isnan(sum));
+}
+
+// What no particle sees may be anything, also where a function is 0 at a node of its cell.
+TEST(TransferData, NodalDataThatAreNotFiniteAreNamedWhereTheyAreSeen) {
+  const CartesianGrid<2> grid = unit_grid<2>(4);
+  std::vector<std::array<double, 2>> u(grid.size(), {nan, nan});
+  std::vector<double> first(grid.size(), nan);
+  const BoxDomain<2> on_nodes{{0.25, 0.5}, {0.125, 0.25}};
+  NodeFunctions<2> at;
+  GimpFunctions::at(grid, on_nodes, at);
+  std::size_t unseen = 0;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    if (at.S[k] == 0 && at.G[k].isZero(0)) {
+      ++unseen;
+      continue;
+    }
+    const SpaceVector<2> x = grid.position(at.node[k]);
+    u[at.node[k]] = {x[0], 2 * x[1]};
+    first[at.node[k]] = x[0];
+  }
+  EXPECT_GT(unseen, 0u);
+  EXPECT_NEAR(at.value(u)[1], 1, 1e-15);
+  EXPECT_NEAR(at.value(first), 0.25, 1e-15);
+  EXPECT_NEAR(at.gradient(u)(1, 1), 2, 1e-14);
+  EXPECT_TRUE(std::isnan(at.value(first, trusted)));
+  std::uint32_t seen = 0;
+  for (std::size_t k = 0; k < at.size(); ++k)
+    if (at.S[k] > at.S[seen]) seen = static_cast<std::uint32_t>(k);
+  seen = at.node[seen];
+  u[seen][1] = nan;
+  const std::string words =
+      "component 1 of the nodal data at node " + std::to_string(seen) + " = nan: must be finite";
+  EXPECT_EQ(message_of([&] { at.value(u); }), words);
+  EXPECT_EQ(message_of([&] { at.gradient(u); }), words);
+  EXPECT_EQ(message_of([&] {
+              gather(
+                  grid, GimpFunctions{}, 3, [&](std::size_t) { return on_nodes; },
+                  [&](std::size_t, const auto& nodes) { nodes.value(u); });
+            }),
+            "particle 0: " + words);
+  std::vector<double> large(grid.size(), 1e308);
+  large[0] = -1e308;
+  LinearFunctions{}.at(grid, SpaceVector<2>(0.1, 0.1), at);
+  EXPECT_EQ(message_of([&] { at.gradient(large); }).find("component 0 of the sum over nodal data"),
+            0);
+}
+
+// Fields go through the same loops as what one writes oneself, in every bit.
+TYPED_TEST(Transfer, FieldsAreSummedAndSeen) {
+  constexpr int D = TypeParam::value;
+  const Cloud<D> cloud(6, 700);
+  std::vector<std::array<double, D>> v(cloud.size());
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    for (int d = 0; d < D; ++d) v[p][d] = cloud.v[p][d];
+  with_functions<D>(cloud, [&](const auto& functions, const auto& domain_of, const char* name) {
+    std::vector<std::array<double, D>> sum(cloud.grid.size()), by_hand = sum;
+    scatter(cloud.grid, functions, cloud.size(), domain_of,
+            [&](std::size_t p, const auto& at) { at.add(by_hand, v[p]); });
+    scatter(cloud.grid, functions, domain_of, field_of(v), field_of(sum));
+    EXPECT_EQ(sum, by_hand) << name;
+    std::vector<std::array<double, D>> seen(cloud.size()), seen_by_hand = seen;
+    gather(cloud.grid, functions, cloud.size(), domain_of,
+           [&](std::size_t p, const auto& at) { seen_by_hand[p] = at.value(sum); });
+    gather(cloud.grid, functions, domain_of, field_of(std::as_const(sum)), field_of(seen));
+    EXPECT_EQ(seen, seen_by_hand) << name;
+  });
+}
+
+// A field with a number that is not finite leaves the output as it was.
+TEST(TransferData, FieldsAreCheckedBeforeAnythingIsWritten) {
+  const Cloud<2> cloud(4, 5000);
+  const auto place = [&](std::size_t p) { return cloud.x[p]; };
+  std::vector<std::array<double, 2>> v(cloud.size(), {1, 2}), out(cloud.size(), {7, 7});
+  std::vector<std::array<double, 2>> nodes(cloud.grid.size(), {3, 3}), before = nodes;
+  const LinearFunctions linear;
+  const auto add = [&] {
+    return message_of([&] { scatter(cloud.grid, linear, place, field_of(v), field_of(nodes)); });
+  };
+  const auto take = [&] {
+    return message_of([&] { gather(cloud.grid, linear, place, field_of(nodes), field_of(out)); });
+  };
+  v[4321][1] = v[4999][0] = nan;
+  EXPECT_EQ(add(),
+            "particle 4321: component 1 of the amount that is added to nodes = nan: must be "
+            "finite");
+  EXPECT_EQ(nodes, before);
+  v[4321][1] = v[4999][0] = 1;
+  nodes[12][1] = HUGE_VAL;
+  EXPECT_EQ(add(), "component 1 of the nodal data at node 12 = inf: must be finite");
+  EXPECT_NE(take().find(": component 1 of the nodal data at node 12 = inf: must be finite"),
+            std::string::npos);
+  EXPECT_EQ(out, (std::vector<std::array<double, 2>>(cloud.size(), {7, 7})));
+  nodes[12][1] = 1.7e308;
+  v.assign(v.size(), {1, 1e306});
+  const std::string words = add();
+  EXPECT_NE(words.find("component 1 of the nodal data at node"), std::string::npos) << words;
+  EXPECT_NE(words.find("= inf: overflows"), std::string::npos) << words;
+  nodes.pop_back();
+  EXPECT_EQ(add(), "size of the nodal data = 24: must be the number of nodes");
+  std::vector<double> one(cloud.grid.size());
+  EXPECT_EQ(message_of([&] { scatter(cloud.grid, linear, place, field_of(v), field_of(one)); }),
+            "components of the nodal data = 1: must be those of the amounts");
+  // Nodes that no particle sees may hold anything.
+  const CartesianGrid<2> wide({-1, -1}, {2, 2}, 0.25);
+  std::vector<double> values(wide.size(), nan), seen(cloud.size());
+  scatter(wide, linear, cloud.size(), place, [&](std::size_t, const auto& at) {
+    for (std::size_t k = 0; k < at.size(); ++k) values[at.node[k]] = 1;
+  });
+  gather(wide, linear, place, field_of(values), field_of(seen));
+  for (const double value : seen) EXPECT_NEAR(value, 1, 1e-15);
 }
 
 }  // namespace

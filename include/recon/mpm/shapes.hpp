@@ -98,7 +98,7 @@ struct Cpdi2 {
     ContinuedLinearFunctions::Nodes<D> at;
     for (Vector<D>& corner : particles.corners[p]) {
       ContinuedLinearFunctions{}.at(grid, corner, at);
-      corner += dt * at.value(velocity);
+      corner += dt * at.value(velocity, trusted);
     }
     particles.x[p] = CornerDomain<D>(particles.corners[p]).centroid();
   }

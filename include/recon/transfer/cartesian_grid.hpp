@@ -19,6 +19,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include "recon/points/structured_grid.hpp"
 
@@ -32,12 +33,7 @@ using SpaceMatrix = Eigen::Matrix<double, D, D>;
 namespace detail {
 
 [[noreturn]] void throw_coordinate(double x, int axis);
-
-// Throws InvalidArgument for a coordinate that is not finite.
-inline void require_coordinate(double x, int axis) {
-  if (!std::isfinite(x)) [[unlikely]]
-    throw_coordinate(x, axis);
-}
+[[noreturn]] void throw_no_cells();
 
 }  // namespace detail
 
@@ -46,19 +42,24 @@ class CartesianGrid {
   static_assert(D >= 1 && D <= 3);
 
  public:
-  CartesianGrid() = default;
+  // No cells and no nodes, and h = 0: something to assign a grid to. Throws InvalidArgument where a
+  // point is asked for in it.
+  CartesianGrid() {
+    nodes_.dimension = D;
+    nodes_.counts.fill(0);
+  }
   // Throws InvalidArgument unless h is positive and finite, upper - lower is a whole number of
-  // cells on each axis, at least one and up to a millionth of it, and there are at most 2^32 - 2
-  // nodes.
+  // cells on each axis, at least one and up to a millionth of it, neighbouring nodes have different
+  // coordinates, and there are at most 2^32 - 2 nodes.
   CartesianGrid(const SpaceVector<D>& lower, const SpaceVector<D>& upper, double h)
       : lower_(lower), h_(h) {
     detail::require(h > 0 && std::isfinite(h), "grid spacing", h, "must be positive and finite");
     nodes_.dimension = D;
     for (int d = 0; d < D; ++d) {
       const double cells = (upper[d] - lower[d]) / h;
-      detail::require(
-          cells > 0.5 && cells < 1e9 && std::abs(cells - std::round(cells)) < 1e-6 * cells,
-          "edge of the grid in cells", cells, "must be a whole number of cells, at least one");
+      if (!(cells > 0.5 && cells < 1e9 && std::abs(cells - std::round(cells)) < 1e-6 * cells))
+        detail::throw_invalid(std::string("edge of the grid along ") + "xyz"[d] + " in cells",
+                              cells, "must be a whole number of cells, at least one");
       cells_[d] = static_cast<int>(std::lround(cells));
       nodes_.origin[d] = lower[d];
       nodes_.spacing[d] = h;
@@ -80,10 +81,26 @@ class CartesianGrid {
   // The nodes as targets of a reconstruction.
   const StructuredGrid<double>& nodes() const { return nodes_; }
 
-  // The index along axis d of the cell that x belongs to. Throws InvalidArgument for a coordinate
-  // that is not finite.
+  // Throws InvalidArgument for a coordinate that is not finite, and where the grid has no cells.
+  void require_coordinate(double x, int d) const {
+    // The first is true for all points near the grid, and so the only thing that is looked at.
+    if (std::isfinite((x - lower_[d]) / h_)) [[likely]]
+      return;
+    if (!(h_ > 0)) detail::throw_no_cells();
+    if (!std::isfinite(x)) detail::throw_coordinate(x, d);
+  }
+  // The same for all coordinates of a point, anything with x[d].
+  template <class Point>
+  void require_point(const Point& x) const {
+    double zero = 0;  // and NaN where a coordinate is not finite
+    for (int d = 0; d < D; ++d) zero += x[d] - x[d];
+    if (zero == 0 && h_ > 0) [[likely]]
+      return;
+    for (int d = 0; d < D; ++d) require_coordinate(x[d], d);
+  }
+  // The index along axis d of the cell that x belongs to. Throws as require_coordinate() does.
   int cell(double x, int d) const {
-    detail::require_coordinate(x, d);
+    require_coordinate(x, d);
     const double cell = std::floor((x - lower_[d]) / h_);
     return static_cast<int>(std::clamp(cell, 0.0, cells_[d] - 1.0));
   }
@@ -101,9 +118,12 @@ class CartesianGrid {
   // The coordinate along axis d of the nodes with index i there.
   double node(int i, int d) const { return lower_[d] + i * h_; }
   SpaceVector<D> position(std::size_t node) const {
-    const auto index = nodes_.index(node);
     SpaceVector<D> x;
-    for (int d = 0; d < D; ++d) x[d] = this->node(static_cast<int>(index[d]), d);
+    for (int d = 0; d < D; ++d) {
+      const std::size_t count = static_cast<std::size_t>(cells_[d]) + 1;
+      x[d] = this->node(static_cast<int>(node % count), d);
+      node /= count;
+    }
     return x;
   }
   // The number of the node with these indices.
@@ -124,7 +144,7 @@ class CartesianGrid {
 
  private:
   SpaceVector<D> lower_ = SpaceVector<D>::Zero();
-  double h_ = 1;
+  double h_ = 0;
   std::array<int, D> cells_{};
   StructuredGrid<double> nodes_;
 };

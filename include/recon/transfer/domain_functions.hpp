@@ -77,17 +77,37 @@ namespace detail {
 // The nodes of a box on one axis; more would be no particle.
 inline constexpr int widest_box = 34;
 
+[[noreturn]] void throw_half_edge(double l, int axis);
+// Of a parallelepiped: names the one that is not finite, or else their determinant. Of corners: a
+// coordinate, or else the volume.
+[[noreturn]] void throw_half_edges(const double* H, int dimension, double determinant);
+[[noreturn]] void throw_corners(const double* corners, int count, int dimension, double volume);
+[[noreturn]] void throw_width(double cells, int axis);
+
+template <int D>
+[[gnu::noinline]] void require_wide_box(const CartesianGrid<D>& grid, int d, double x, double l) {
+  grid.require_coordinate(x, d);
+  if (!(l > 0 && std::isfinite(l))) throw_half_edge(l, d);
+  if (grid.cell(x + l, d) - grid.cell(x - l, d) + 2 > widest_box) throw_width(2 * l / grid.h(), d);
+}
+// Throws InvalidArgument for a box [x - l, x + l] that average() cannot take. A narrow one fits
+// wherever it lies; a wide one may lie beyond the grid for the most part.
+template <int D>
+void require_box(const CartesianGrid<D>& grid, int d, double x, double l) {
+  if (!(std::isfinite(x) && l > 0 && 2 * l <= (widest_box - 3) * grid.h())) [[unlikely]]
+    require_wide_box(grid, d, x, l);
+}
+
 // The averages over [x - l, x + l], summed cell by cell. The outermost cells continue
 // beyond the grid.
 template <int D>
 AxisFunctions<AtMost<widest_box>> average(const CartesianGrid<D>& grid, int d, double x, double l) {
   AxisFunctions<AtMost<widest_box>> axis;
+  require_box(grid, d, x, l);
   const double h = grid.h();
   const int last = grid.cell(x + l, d);
   axis.first = grid.cell(x - l, d);
   axis.count = last - axis.first + 2;
-  require(axis.count <= widest_box && l > 0, "particle domain in cells", 2 * l / h,
-          "must be positive and at most 32 along an axis");
   std::fill_n(axis.S.begin(), axis.count, 0.0);
   std::fill_n(axis.G.begin(), axis.count, 0.0);
   for (int c = axis.first; c <= last; ++c) {
@@ -189,7 +209,8 @@ std::pair<int, int> nodes_within(const CartesianGrid<D>& grid, double x, double 
 
 }  // namespace detail
 
-// Throws InvalidArgument for half edges that are not positive or reach over more than 32 cells.
+// Throws InvalidArgument for half edges that are not positive and finite, or reach over more than 32
+// cells.
 struct GimpFunctions {
   template <int D>
   using Nodes = NodeFunctions<D>;
@@ -205,13 +226,18 @@ struct GimpFunctions {
   template <int D>
   static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid, const BoxDomain<D>& box,
                                          int d) {
+    detail::require_box(grid, d, box.x[d], box.half_edges[d]);
     return detail::nodes_within(grid, box.x[d], box.half_edges[d], d);
+  }
+  template <int D>
+  static void check(const CartesianGrid<D>& grid, const BoxDomain<D>& box) {
+    for (int d = 0; d < D; ++d) detail::require_box(grid, d, box.x[d], box.half_edges[d]);
   }
 };
 
 // With x' = x + F H xi, xi in [-1, 1]^D: the function of a corner has the average 1 / 2^D, and its
 // gradient the average (F H)^-T s / 2^D, with s the signs of the corner. Throws InvalidArgument for
-// a domain without volume.
+// half edges that are not finite, and for a domain without volume.
 struct Cpdi1Functions {
   template <int D>
   using Nodes = NodeFunctions<D, AtMost<detail::most_gathered<D>>>;
@@ -220,9 +246,7 @@ struct Cpdi1Functions {
   static void at(const CartesianGrid<D>& grid, const ParallelepipedDomain<D>& domain,
                  NodeFunctions<D, Count>& out) {
     constexpr int corner_count = 1 << D;
-    const SpaceMatrix<D> turned = domain.half_edges.inverse() / corner_count;
-    detail::require(turned.allFinite(), "determinant of the half edges of a particle domain",
-                    domain.half_edges.determinant(), "must be finite and not zero");
+    const SpaceMatrix<D> turned = inverse_of(domain) / corner_count;
     std::array<double, corner_count> weight;
     std::array<SpaceVector<D>, corner_count> slope;
     for (int a = 0; a < corner_count; ++a) {
@@ -238,13 +262,31 @@ struct Cpdi1Functions {
                                          const ParallelepipedDomain<D>& domain, int d) {
     return detail::nodes_of_corners<D>(grid, corners_of(domain), d);
   }
+  template <int D>
+  static void check(const CartesianGrid<D>& grid, const ParallelepipedDomain<D>& domain) {
+    grid.require_point(domain.x);
+    inverse_of(domain);
+    // The farthest corner along each axis.
+    const SpaceVector<D> reach = domain.half_edges.cwiseAbs().rowwise().sum();
+    grid.require_point(SpaceVector<D>(domain.x.cwiseAbs() + reach));
+  }
+
+ private:
+  template <int D>
+  static SpaceMatrix<D> inverse_of(const ParallelepipedDomain<D>& domain) {
+    const SpaceMatrix<D> inverse = domain.half_edges.inverse();
+    // The inverse of what is infinite may be finite.
+    if (!inverse.allFinite() || !domain.half_edges.allFinite()) [[unlikely]]
+      detail::throw_half_edges(domain.half_edges.data(), D, domain.half_edges.determinant());
+    return inverse;
+  }
 };
 
 // The cell that corners span, with the averages of their multilinear functions (`weight`, which sum
 // to one) and of the gradients of these (`slope`, 1 / length, which sum to zero) over it. Two Gauss
 // points an axis are exact (they replace Gong 2015, eq. 6.29-6.32, of which the first two are
 // misprinted: docs/misprints.md, G23). The volume is negative where the corners are turned inside
-// out. Throws InvalidArgument where it is zero or not finite.
+// out. Throws InvalidArgument where it is zero or not finite, or a corner is not.
 template <int D>
 struct CornerDomain {
   DomainCorners<D> corners;
@@ -266,8 +308,8 @@ struct CornerDomain {
         slope[a] += turned * gauss().local[g][a];
       }
     }
-    detail::require(volume != 0 && std::isfinite(volume), "volume of a particle domain", volume,
-                    "must be finite and not zero: its corners must span a cell");
+    if (!(volume != 0 && std::isfinite(volume))) [[unlikely]]
+      detail::throw_corners(corners[0].data(), count, D, volume);
     for (int a = 0; a < count; ++a) {
       weight[a] /= volume;
       slope[a] /= volume;
@@ -317,6 +359,11 @@ struct Cpdi2Functions {
   static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
                                          const CornerDomain<D>& domain, int d) {
     return detail::nodes_of_corners<D>(grid, domain.corners, d);
+  }
+  // The rest has been checked where the domain was made.
+  template <int D>
+  static void check(const CartesianGrid<D>& grid, const CornerDomain<D>& domain) {
+    grid.require_coordinate(domain.corners[0][0], 0);
   }
 };
 

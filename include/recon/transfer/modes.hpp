@@ -24,6 +24,7 @@
 // ```
 //
 // s_r and norm_r have the unit length^(r_1 + .. + r_D), norm_r that squared. Nothing is allocated.
+// Data that are not finite are refused as NodeFunctions does.
 #pragma once
 
 #include "recon/transfer/point_functions.hpp"
@@ -89,21 +90,29 @@ class PolynomialModes {
 
   // c_r of nodal data u; zero where norm_r is.
   template <class Nodes, class Values>
-  auto coefficient(int r, const Nodes& at, const Values& u) const {
+  auto coefficient(int r, const Nodes& at, const Values& u, Data data = Data::checked) const {
     using Element = detail::ElementOf<const Values>;
-    auto sum = Element::zero();
-    if (!(norm(r) > 0)) return sum;
-    for (std::size_t k = 0; k < at.size(); ++k)
-      Element::add(sum, at.S[k] * value(r, k), detail::nodal(u, at.node[k]));
-    return Element::divided(sum, norm(r));
+    using Value = decltype(Element::zero());
+    const Value zero = Element::zero();
+    if (!(norm(r) > 0)) return zero;
+    const Value sum = detail::sum_over_nodes(
+        at, u, zero, [&](std::size_t k) { return at.S[k] * value(r, k) != 0; },
+        [&](Value& part, std::size_t k) {
+          Element::add(part, at.S[k] * value(r, k), detail::nodal(u, at.node[k]));
+        },
+        data);
+    return Value(Element::divided(sum, norm(r)));
   }
   // shown[n] += sum_r c_r s_r at node n, for the `size` nodes of the particle.
   template <class Shown, class Coefficients>
-  void add_to(Shown& shown, std::size_t size, const Coefficients& c) const {
-    for (int r = 0; r < count_; ++r)
-      if (norm(r) > 0)
-        for (std::size_t n = 0; n < size; ++n)
-          detail::ElementOf<Shown>::add(shown[n], value(r, n), c[r]);
+  void add_to(Shown& shown, std::size_t size, const Coefficients& c,
+              Data data = Data::checked) const {
+    using Element = detail::ElementOf<Shown>;
+    for (int r = 0; r < count_; ++r) {
+      if (!(norm(r) > 0)) continue;
+      detail::require_finite<Element>(c[r], "the coefficients of a mode", data);
+      for (std::size_t n = 0; n < size; ++n) Element::add(shown[n], value(r, n), c[r]);
+    }
   }
 
  private:

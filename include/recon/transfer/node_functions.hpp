@@ -21,13 +21,21 @@
 // node. An element is a float or double, a std::array of such or a vector of Eigen (of fixed size);
 // value() returns the like. S has no unit, G is 1 / length. How many nodes there are is part of the
 // type where it is known, so that nothing is allocated for a particle.
+//
+// Throws InvalidArgument, before anything is written, for an amount that is not finite, naming its
+// component, and for nodal data that are not finite where a function is not 0, naming node and
+// component: what a node holds that no particle sees may be anything. With `trusted` as the last
+// argument nothing is looked at (operators/limit.hpp).
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <type_traits>
 #include <vector>
 
+#include "recon/operators/limit.hpp"
 #include "recon/transfer/cartesian_grid.hpp"
 
 namespace recon {
@@ -140,6 +148,7 @@ struct Element {
   static_assert(std::is_floating_point_v<T>,
                 "an element of nodal data is a floating-point number, a std::array of such or a "
                 "vector of Eigen");
+  static constexpr std::size_t components = 1;
   static T zero() { return 0; }
   template <int D>
   using Gradient = SpaceVector<D>;
@@ -159,6 +168,7 @@ struct Element {
 template <class T, std::size_t C>
 struct Element<std::array<T, C>> {
   using Value = std::array<T, C>;
+  static constexpr std::size_t components = C;
   static Value zero() { return {}; }
   template <int D>
   using Gradient = Eigen::Matrix<double, static_cast<int>(C), D>;
@@ -187,6 +197,7 @@ requires requires {
 struct Element<T> {
   using Value = typename T::PlainObject;
   static_assert(Value::SizeAtCompileTime > 0, "vectors of nodal data have a fixed size");
+  static constexpr std::size_t components = Value::SizeAtCompileTime;
   static Value zero() { return Value::Zero(); }
   template <int D>
   using Gradient = Eigen::Matrix<double, Value::SizeAtCompileTime, D>;
@@ -208,6 +219,90 @@ template <class Values>
 using ElementOf =
     Element<std::remove_cvref_t<decltype(nodal(std::declval<Values&>(), std::uint32_t{}))>>;
 
+// Component i of a number, of anything with [i], or of a vector or matrix of Eigen (a matrix row by
+// row).
+template <class T>
+inline constexpr bool is_eigen = requires {
+  typename T::PlainObject;
+};
+template <class T>
+double component(const T& value, std::size_t i) {
+  if constexpr (is_eigen<T>)
+    return static_cast<double>(value(static_cast<Eigen::Index>(i) / value.cols(),
+                                     static_cast<Eigen::Index>(i) % value.cols()));
+  else if constexpr (requires { static_cast<double>(value); })
+    return static_cast<double>(value);
+  else
+    return static_cast<double>(value[i]);
+}
+// Of data that go with this element.
+template <class Element, class T>
+std::size_t component_count([[maybe_unused]] const T& value) {
+  if constexpr (is_eigen<T>)
+    return static_cast<std::size_t>(value.size());
+  else
+    return Element::components;
+}
+// x - x is 0 for numbers and NaN for others.
+template <class Element, class T>
+bool all_finite(const T& value) {
+  if constexpr (is_eigen<T>) {
+    return (value - value).sum() == 0;
+  } else {
+    double zero = 0;
+    for (std::size_t i = 0; i < Element::components; ++i)
+      zero += component(value, i) - component(value, i);
+    return zero == 0;
+  }
+}
+
+[[noreturn]] void throw_component(const char* of, double value, std::size_t component,
+                                  const char* rule);
+[[noreturn]] void throw_nodal(std::uint32_t node, double value, std::size_t component,
+                              const char* rule);
+
+// Throws InvalidArgument for the first component that is not finite.
+template <class Element, class T>
+[[gnu::noinline]] void refuse_component(const T& value, const char* of, const char* rule) {
+  for (std::size_t i = 0; i < component_count<Element>(value); ++i)
+    if (const double number = component(value, i); !std::isfinite(number))
+      throw_component(of, number, i, rule);
+}
+inline constexpr const char* added_amount = "the amount that is added to nodes";
+template <class Element, class T>
+void require_finite(const T& value, const char* of, Data data) {
+  if (data == Data::checked && !all_finite<Element>(value)) [[unlikely]]
+    refuse_component<Element>(value, of, "must be finite");
+}
+
+// The sum of terms of nodes, where it is not finite: add(sum, k) adds that of node k, whose nodal
+// data are not needed unless used(k).
+template <class Nodes, class Values, class Sum, class Used, class Add>
+[[gnu::noinline]] Sum sum_without_unused(const Nodes& at, const Values& u, Sum sum,
+                                         const Used& used, const Add& add) {
+  using Element = ElementOf<const Values>;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    if (!used(k)) continue;
+    const auto& value = nodal(u, at.node[k]);
+    for (std::size_t i = 0; i < component_count<Element>(value); ++i)
+      if (const double number = component(value, i); !std::isfinite(number))
+        throw_nodal(at.node[k], number, i, "must be finite");
+    add(sum, k);
+  }
+  refuse_component<Element>(sum, "the sum over nodal data", "overflows: the data are too large");
+  return sum;
+}
+// Of nodal data u, from `zero` on; checked as far as `data` says.
+template <class Nodes, class Values, class Sum, class Used, class Add>
+Sum sum_over_nodes(const Nodes& at, const Values& u, const Sum& zero, const Used& used,
+                   const Add& add, Data data) {
+  Sum sum = zero;
+  for (std::size_t k = 0; k < at.size(); ++k) add(sum, k);
+  if (data == Data::checked && !all_finite<ElementOf<const Values>>(sum)) [[unlikely]]
+    return sum_without_unused(at, u, zero, used, add);
+  return sum;
+}
+
 }  // namespace detail
 
 // The nodes of a particle, with the members
@@ -225,35 +320,44 @@ struct NodeFunctions : detail::NodeArrays<D, Count> {
 
   // sum_i S_i u_i
   template <class Values>
-  auto value(const Values& u) const {
+  auto value(const Values& u, Data data = Data::checked) const {
     using Element = detail::ElementOf<const Values>;
-    auto sum = Element::zero();
-    for (std::size_t k = 0; k < size(); ++k) Element::add(sum, S[k], detail::nodal(u, node[k]));
-    return sum;
+    using Value = decltype(Element::zero());
+    const Value zero = Element::zero();
+    return detail::sum_over_nodes(
+        *this, u, zero, [this](std::size_t k) { return S[k] != 0; },
+        [&](Value& sum, std::size_t k) { Element::add(sum, S[k], detail::nodal(u, node[k])); },
+        data);
   }
   // sum_i u_i (x) G_i: of numbers a vector, of vectors with C components a C x D matrix with the
   // entries d u_c / d x_d.
   template <class Values>
-  auto gradient(const Values& u) const {
+  auto gradient(const Values& u, Data data = Data::checked) const {
     using Element = detail::ElementOf<const Values>;
     using Gradient = typename Element::template Gradient<D>;
-    Gradient sum = Gradient::Zero();
-    for (std::size_t k = 0; k < size(); ++k)
-      Element::template add_gradient<D>(sum, detail::nodal(u, node[k]), G[k]);
-    return sum;
+    const Gradient zero = Gradient::Zero();
+    return detail::sum_over_nodes(
+        *this, u, zero, [this](std::size_t k) { return !G[k].isZero(0); },
+        [&](Gradient& sum, std::size_t k) {
+          Element::template add_gradient<D>(sum, detail::nodal(u, node[k]), G[k]);
+        },
+        data);
   }
   // u_i += S_i amount, where the amount is what the elements of u are.
   template <class Values, class Amount>
-  void add(Values&& u, const Amount& amount) const {
-    for (std::size_t k = 0; k < size(); ++k)
-      detail::ElementOf<Values>::add(detail::nodal(u, node[k]), S[k], amount);
+  void add(Values&& u, const Amount& amount, Data data = Data::checked) const {
+    using Element = detail::ElementOf<Values>;
+    detail::require_finite<Element>(amount, detail::added_amount, data);
+    for (std::size_t k = 0; k < size(); ++k) Element::add(detail::nodal(u, node[k]), S[k], amount);
   }
   // u_i += flux G_i, where the flux is what gradient(u) would be: a vector of Eigen for numbers
   // u_i, a C x D matrix for vectors.
   template <class Values, class Flux>
-  void add_gradient(Values&& u, const Flux& flux) const {
+  void add_gradient(Values&& u, const Flux& flux, Data data = Data::checked) const {
+    using Element = detail::ElementOf<Values>;
+    detail::require_finite<Element>(flux, "the flux that is added to nodes", data);
     for (std::size_t k = 0; k < size(); ++k)
-      detail::ElementOf<Values>::add_flux(detail::nodal(u, node[k]), flux, G[k]);
+      Element::add_flux(detail::nodal(u, node[k]), flux, G[k]);
   }
 };
 

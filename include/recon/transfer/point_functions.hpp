@@ -34,10 +34,12 @@
 //
 // Functions are a small struct (the concept NodalFunctions in scatter.hpp): Nodes<D> is the type of
 // what they give in D dimensions; at(grid, x, out) writes it; nodes_along(grid, x, d) returns the
-// first and the last node that they touch on an axis. Those that are products of functions of the
-// axes also have axes(), which returns these.
+// first and the last node that they touch on an axis; check(grid, x) throws what at() would throw,
+// and does nothing else. Those that are products of functions of the axes also have axes(), which
+// returns these.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -168,8 +170,9 @@ struct ContinuedLinearAxis {
 // Throws InvalidArgument where elements of 2 x 2 cells do not fill the grid.
 template <int D>
 void require_even(const CartesianGrid<D>& grid, int d) {
-  require(grid.cells(d) % 2 == 0, "cells of the grid along an axis", grid.cells(d),
-          "must be even with elements of 2 x 2 cells");
+  if (grid.cells(d) % 2 != 0) [[unlikely]]
+    throw_invalid(std::string("cells of the grid along ") + "xyz"[d], grid.cells(d),
+                  "must be even with elements of 2 x 2 cells");
 }
 
 struct QuadraticAxis {
@@ -179,6 +182,10 @@ struct QuadraticAxis {
     require_even(grid, d);
     return quadratic_axis_at(x, grid.lower()[d], grid.h(), grid.cell(x, d));
   }
+  template <int D>
+  static void check_grid(const CartesianGrid<D>& grid) {
+    for (int d = 0; d < D; ++d) require_even(grid, d);
+  }
 };
 
 template <int degree>
@@ -187,7 +194,7 @@ struct SplineAxis {
   SplineBorder border = SplineBorder::corrected;
   template <int D>
   AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
-    require_coordinate(x, d);
+    grid.require_coordinate(x, d);
     return spline_axis_at<degree>(x, grid.lower()[d], grid.h(), grid.cells(d), border);
   }
 };
@@ -215,6 +222,11 @@ struct ProductFunctions : Axis {
   std::pair<int, int> nodes_along(const CartesianGrid<D>& grid, const Point& x, int d) const {
     const auto axis = this->axis(grid, x[d], d);
     return {axis.first, axis.first + axis.count - 1};
+  }
+  template <int D, class Point>
+  void check(const CartesianGrid<D>& grid, const Point& x) const {
+    if constexpr (requires { Axis::check_grid(grid); }) Axis::check_grid(grid);
+    grid.require_point(x);
   }
 };
 
@@ -302,6 +314,12 @@ struct EightNodeFunctions {
   std::pair<int, int> nodes_along(const CartesianGrid<D>& grid, const Point& x, int d) const {
     const int first = grid.cell(x[d], d) / 2 * 2;
     return {first, first + 2};
+  }
+  template <int D, class Point>
+  void check(const CartesianGrid<D>& grid, const Point& x) const {
+    if constexpr (D != 2) detail::throw_invalid("dimension of the 8-node elements", D, "must be 2");
+    detail::QuadraticAxis::check_grid(grid);
+    grid.require_point(x);
   }
 };
 
