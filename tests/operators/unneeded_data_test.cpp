@@ -52,9 +52,8 @@ TYPED_TEST(UnneededData, OnTheBorderOfASupportMayBeAnything) {
                                           {.degree = 1, .neighbours = Radius{radius}});
     const auto slopes = fit.gradient();
     ASSERT_EQ(fit.values().row(0).size(),
-              static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](auto& x) {
-                return distance(x) <= radius;
-              })));
+              static_cast<std::size_t>(std::count_if(
+                  points.begin(), points.end(), [&](auto& x) { return distance(x) <= radius; })));
     for (const int components : {1, 2, 3, 4, 6}) {
       std::vector<Scalar> u, with_nan, with_zero;
       std::vector<std::vector<Scalar>> arrays(static_cast<std::size_t>(components));
@@ -137,7 +136,7 @@ TEST(VectorOperators, NameTheCallersComponents) {
   const auto made =
       fit.operators(Functional::curl, Functional::strain_rate, Functional::divergence);
   const VectorOperator<double>&curl = std::get<0>(made), &strain = std::get<1>(made),
-                              &divergence = std::get<2>(made);
+        &divergence = std::get<2>(made);
   std::vector<std::array<double, 3>> f(targets.size(), {1, 2, 3});
   f[4][2] = std::nan("");
   EXPECT_THAT(message_of([&] { curl.apply_transpose(field_of(f)); }),

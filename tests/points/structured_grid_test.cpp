@@ -54,7 +54,9 @@ TEST(StructuredGrids, NeighbouringNodesHavePlacesOfTheirOwn) {
   const StructuredGrid<float> long_axis{1, {0}, {1}, {40'000'000}};
   EXPECT_THAT(message_of([&] { long_axis.validate(); }), HasSubstr("grid spacing along x = 1"));
   // One node has no neighbour.
-  EXPECT_EQ(message_of([] { StructuredGrid<double>{1, {1e300}, {1e-300}, {1}}.validate(); }),
+  EXPECT_EQ(message_of([] {
+              StructuredGrid<double>{1, {1e300}, {1e-300}, {1}}.validate();
+            }),
             "no InvalidArgument was thrown");
 }
 

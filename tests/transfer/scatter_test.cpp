@@ -451,7 +451,7 @@ TEST(TransferData, NodalDataThatAreNotFiniteAreNamedWhereTheyAreSeen) {
   EXPECT_TRUE(std::isnan(at.value(first, trusted)));
   std::uint32_t seen = 0;
   for (std::size_t k = 0; k < at.size(); ++k)
-    if (at.S[k] > at.S[seen]) seen = static_cast<std::uint32_t>(k);
+    if (at.S[k] > 0 && at.G[k].norm() > at.G[seen].norm()) seen = static_cast<std::uint32_t>(k);
   seen = at.node[seen];
   u[seen][1] = nan;
   const std::string words =

@@ -275,20 +275,27 @@ void gather(const CartesianGrid<D>& grid, const Functions& functions, const Doma
                   "must be the number of nodes");
   detail::require(nodes.components() == out.components(), "components of the output",
                   out.components(), "must be those of the nodal data");
-  const auto values = [&](const auto& write) {
-    gather(
-        grid, functions, out.size(), domain_of,
-        [&](std::size_t p, const auto& at) {
-          for (int c = 0; c < nodes.components(); ++c)
-            write(p, c, at.value(detail::column(nodes, c)));
-        },
-        threads);
-  };
   // Nodes may hold anything where no particle sees them, so only the particles can tell.
   std::atomic<bool> finite{true};
   detail::find_not_finite(nodes, threads, [&](std::size_t, int) { finite = false; });
-  if (!finite) values([](std::size_t, int, auto) {});
-  values([&](std::size_t p, int c, auto value) { out(p, c) = static_cast<Out>(value); });
+  if (!finite)
+    gather(
+        grid, functions, out.size(), domain_of,
+        [&](std::size_t, const auto& at) {
+          for (std::size_t k = 0; k < at.size(); ++k)
+            for (int c = 0; c < nodes.components() && at.S[k] != 0; ++c)
+              if (const Nodal value = nodes(at.node[k], c); !std::isfinite(value))
+                detail::throw_nodal(at.node[k], static_cast<double>(value),
+                                    static_cast<std::size_t>(c), "must be finite");
+        },
+        threads);
+  gather(
+      grid, functions, out.size(), domain_of,
+      [&](std::size_t p, const auto& at) {
+        for (int c = 0; c < nodes.components(); ++c)
+          out(p, c) = static_cast<Out>(at.value(detail::column(nodes, c)));
+      },
+      threads);
 }
 
 }  // namespace recon
