@@ -70,7 +70,7 @@ using NeighbourRule = std::variant<Radius, Radii, Nearest, NearestWithin>;
 enum class SupportShape { ball, cube };
 
 // automatic: brute force for few particles, else the cell grid, in batches of targets; the k-d tree
-// where particles are too uneven for cells, and for the k nearest with visibility or in a cube.
+// for uneven particles, and the k nearest with visibility or in a cube. r_tree may be left out.
 enum class SearchMethod { automatic, kd_tree, r_tree, cell_grid, brute_force };
 
 // May this particle be a neighbour of this target? Called concurrently, possibly more than once for
