@@ -92,9 +92,7 @@ class NanoflannTree {
   // that may shrink on the way. There must be a particle.
   template <class Take, class Bound>
   void visit(const Point& x, const Take& take, const Bound& bound) const {
-    const auto with_point = [&](ParticleIndex i, S distance2) {
-      take(i, points_.x[i], distance2);
-    };
+    const auto with_point = [&](ParticleIndex i, S distance2) { take(i, points_.x[i], distance2); };
     NanoflannCollector<S, decltype(with_point), Bound> collector{with_point, bound};
     static_cast<void>(tree_.findNeighbors(collector, x.data(), exact_search()));
   }

@@ -70,12 +70,9 @@ class PlainTree {
     for (int d = 1; d < D; ++d)
       if (box.upper[d] - box.lower[d] > box.upper[axis] - box.lower[axis]) axis = d;
     const std::size_t middle = begin + (end - begin) / 2;
-    const auto at = [&](std::size_t p) {
-      return places_.begin() + static_cast<std::ptrdiff_t>(p);
-    };
-    std::nth_element(at(begin), at(middle), at(end), [axis](const Place& a, const Place& b) {
-      return a.x[axis] < b.x[axis];
-    });
+    const auto at = [&](std::size_t p) { return places_.begin() + static_cast<std::ptrdiff_t>(p); };
+    std::nth_element(at(begin), at(middle), at(end),
+                     [axis](const Place& a, const Place& b) { return a.x[axis] < b.x[axis]; });
     const S left_upper = build(2 * node + 1, begin, middle).upper[axis];
     const S right_lower = build(2 * node + 2, middle, end).lower[axis];
     nodes_[node] = {axis, left_upper, right_lower};

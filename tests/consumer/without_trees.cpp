@@ -85,8 +85,8 @@ int main() {
     }
 
   // Linear fields are reproduced.
-  const recon::Reconstruction fit = recon::reconstruct(
-      recon::points_of(points), recon::points_of(points), {.degree = 1});
+  const recon::Reconstruction fit =
+      recon::reconstruct(recon::points_of(points), recon::points_of(points), {.degree = 1});
   std::vector<double> linear;
   for (const auto& x : points) linear.push_back(1 + x[0] - 2 * x[1] + x[2] / 2);
   const Eigen::MatrixXd values = fit.apply(recon::field_of(linear));
