@@ -7,16 +7,24 @@
 
 struct Parabola {
 #ifdef WRONG_ARGUMENT
-  double operator()(const char* q) const { return 1; }
+  double operator()(const char* q) const {
+    return 1;
+  }
 #else
-  double operator()(double q) const { return (1 - q) * (1 - q); }
+  double operator()(double q) const {
+    return (1 - q) * (1 - q);
+  }
 #endif
 #ifdef DERIVATIVE_IS_NOT_CONST
-  double derivative(double q) { return 2 * q - 2; }
+  double derivative(double q) {
+    return 2 * q - 2;
+  }
 #elif defined(WRONG_RESULT)
   void derivative(double) const {}
 #elif !defined(NO_DERIVATIVE) && !defined(IN_AN_EVALUATOR)
-  double derivative(double q) const { return 2 * q - 2; }
+  double derivative(double q) const {
+    return 2 * q - 2;
+  }
 #endif
 };
 
