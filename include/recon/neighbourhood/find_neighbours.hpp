@@ -36,6 +36,7 @@
 #include <variant>
 
 #include "recon/core/instruction_set.hpp"
+#include "recon/core/progress.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/domain.hpp"
 #include "recon/points/point_cloud.hpp"
@@ -83,6 +84,7 @@ struct NeighbourOptions {
   Visibility visible{};                                        // empty: every particle is
   int threads = 0;                                             // 0: default_threads()
   InstructionSet instruction_set = InstructionSet::automatic;  // of the search by cells
+  Progress progress{};                                         // empty: nobody is told
 };
 
 // Throws InvalidArgument for rules with values outside their range, radii that are not one per
