@@ -62,13 +62,16 @@ function(recon_add_simd_sources library)
   endforeach()
 endfunction()
 
-# recon_add_library(name ROOMS room...): the sources are those in src/<room>/.
+# recon_add_library(name ROOMS room... [EXCEPT file...]): the sources are those in src/<room>/.
 function(recon_add_library name)
-  cmake_parse_arguments(arg "" "" "ROOMS" ${ARGN})
+  cmake_parse_arguments(arg "" "" "ROOMS;EXCEPT" ${ARGN})
   set(sources)
   foreach(room IN LISTS arg_ROOMS)
     file(GLOB room_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/${room}/*.cpp)
     list(APPEND sources ${room_sources})
+  endforeach()
+  foreach(file IN LISTS arg_EXCEPT)
+    list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${file})
   endforeach()
   set(simd_sources ${sources})
   list(FILTER simd_sources INCLUDE REGEX "\\.simd\\.cpp$")

@@ -74,8 +74,8 @@ class AllTargets {
   std::size_t target(std::size_t place) const { return order_.empty() ? place : order_[place]; }
 
   template <class Block>
-  void for_blocks(const Block& block) const {
-    recon::parallel_blocks(count(), targets_per_block, shared_.options.threads, block);
+  void for_blocks(const Progress& progress, const Block& block) const {
+    recon::parallel_blocks(count(), targets_per_block, shared_.options.threads, progress, block);
   }
 
   void find_rows_of_known_length() {
@@ -84,7 +84,7 @@ class AllTargets {
     for (std::size_t t = 0; t < count(); ++t)
       list_.offsets[t + 1] = static_cast<std::int64_t>((t + 1) * k);
     resize(count() * k);
-    for_blocks([&](std::size_t begin, std::size_t end) {
+    for_blocks(shared_.options.progress, [&](std::size_t begin, std::size_t end) {
       const auto buffers = memory_.buffers.lend();
       Targets found(shared_, *buffers);
       for (std::size_t s = begin; s < end; ++s) {
@@ -98,7 +98,7 @@ class AllTargets {
   void find_rows_of_any_length() {
     const auto blocks = memory_.blocks.lend();
     blocks->resize(std::max(blocks->size(), (count() + targets_per_block - 1) / targets_per_block));
-    for_blocks([&](std::size_t begin, std::size_t end) {
+    for_blocks(shared_.options.progress, [&](std::size_t begin, std::size_t end) {
       const auto buffers = memory_.buffers.lend();
       Targets found(shared_, *buffers);
       std::vector<Key>& block = (*blocks)[begin / targets_per_block];
@@ -112,7 +112,7 @@ class AllTargets {
     });
     for (std::size_t t = 0; t < count(); ++t) list_.offsets[t + 1] += list_.offsets[t];
     resize(static_cast<std::size_t>(list_.offsets.back()));
-    for_blocks([&](std::size_t begin, std::size_t end) {
+    for_blocks({}, [&](std::size_t begin, std::size_t end) {
       const Key* from = (*blocks)[begin / targets_per_block].data();
       for (std::size_t s = begin; s < end; ++s) {
         const std::size_t t = target(s);

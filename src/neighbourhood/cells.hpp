@@ -17,6 +17,7 @@
 #include "neighbourhood/cell_kernel.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/neighbourhood/mean_spacing.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/point_cloud.hpp"
 
@@ -27,18 +28,13 @@ using CellIndex = std::array<std::int64_t, max_dimension>;  // axes that do not 
 // The edge of cells that hold `particles_per_cell` particles on average over the bounding box.
 template <class Scalar>
 double density_cell_size(const PointCloud<Scalar>& points, double particles_per_cell) {
-  double log_volume = 0;
-  int axes = 0;
-  for (int d = 0; d < points.dimension() && points.size() > 0; ++d) {
-    const double extent =
-        static_cast<double>(points.box().upper[d]) - static_cast<double>(points.box().lower[d]);
-    if (!(extent > 0)) continue;
-    log_volume += std::log(extent);
-    ++axes;
-  }
-  if (axes == 0) return 1;  // all in one place
-  const double per_cell = std::log(particles_per_cell / static_cast<double>(points.size()));
-  return std::max(std::exp((log_volume + per_cell) / axes), std::numeric_limits<double>::min());
+  if (points.size() == 0) return 1;
+  const double log_cells = -std::log(particles_per_cell / static_cast<double>(points.size()));
+  const auto size = edge_of_cells(log_cells, points.dimension(), [&](int d) {
+    return static_cast<double>(points.box().upper[d]) - static_cast<double>(points.box().lower[d]);
+  });
+  if (!size) return 1;  // all in one place
+  return std::max(*size, std::numeric_limits<double>::min());
 }
 
 template <class S, int D>

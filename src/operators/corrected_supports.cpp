@@ -62,7 +62,7 @@ bool FitProblem<Scalar>::grow(const NeighbourRule& rule, const NeighbourOptions&
     cloud_->find(at, enlarged(rule, factor, missing, radii), larger, true, list);
     Array<Scalar> values;
     std::vector<FitReport> grown;
-    fit_list(at, list, values, grown);
+    fit_list(at, list, search.progress, values, grown);
     std::vector<bool> take;
     std::vector<std::size_t> still;
     for (std::size_t i = 0; i < missing.size(); ++i) {

@@ -8,7 +8,7 @@
 #include "operators/search_options.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/parallel.hpp"
-#include "recon/neighbourhood/find_neighbours_with.hpp"
+#include "recon/neighbourhood/question_checks.hpp"
 
 namespace recon::detail {
 namespace {
@@ -108,7 +108,11 @@ void FitProblem<Scalar>::fit_taken() {
   nearest_rows_.clear();
   too_far_.clear();
   order_targets();
-  const NeighbourOptions search = search_options();
+  // Of a second fit, after supports have grown, it is not known how much there will be.
+  const bool may_grow = !own_neighbours_ && options_.grow.steps > 0;
+  const double found = own_neighbours_ ? 0 : 0.4, fitted = may_grow ? 0.8 : 1;
+  NeighbourOptions search = search_options();
+  search.progress = part_of(options_.progress, 0, found);
   NeighbourRule rule;
   if (own_neighbours_) {
     neighbours_ = std::move(given_);
@@ -118,10 +122,13 @@ void FitProblem<Scalar>::fit_taken() {
     cloud_->find(targets_, rule, search, true, neighbours_);
   }
 
+  search.progress = part_of(options_.progress, found, found);  // what comes now is short
   mark_too_far(!own_neighbours_ && search.shape == SupportShape::ball, search);
-  fit_list(targets_, neighbours_, values_, row_reports_);
-  if (!own_neighbours_ && options_.grow.steps > 0 && grow(rule, search))
-    fit_list(targets_, neighbours_, values_, row_reports_);
+  fit_list(targets_, neighbours_, part_of(options_.progress, found, fitted), values_, row_reports_);
+  search.progress = part_of(options_.progress, fitted, fitted);
+  if (may_grow && grow(rule, search))
+    fit_list(targets_, neighbours_, part_of(options_.progress, fitted, 1), values_, row_reports_);
+  search.progress = part_of(options_.progress, 1, 1);
   if (options_.unsupported == Unsupported::nearest) use_nearest(search);
   for (std::size_t t = 0; t < row_reports_.size(); ++t)
     if (is_too_far(t)) row_reports_[t].status = FitStatus::too_far;
@@ -199,11 +206,12 @@ ShapeProblem<Scalar> FitProblem<Scalar>::shape_problem(
 
 template <class Scalar>
 void FitProblem<Scalar>::fit_list(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
-                                  Array<Scalar>& values, std::vector<FitReport>& reports) const {
+                                  const Progress& progress, Array<Scalar>& values,
+                                  std::vector<FitReport>& reports) const {
   values.resize(list.indices.size());
   reports.resize(list.targets());
   const ShapeProblem<Scalar> problem = shape_problem(at, list);
-  recon::parallel_blocks(list.targets(), targets_per_block, options_.threads,
+  recon::parallel_blocks(list.targets(), targets_per_block, options_.threads, progress,
                          [&](std::size_t begin, std::size_t end) {
                            ShapeRows<Scalar> rows;
                            rows.value = values.data();

@@ -66,7 +66,8 @@ class FitProblem {
                                      const NeighbourListView<Scalar>& list) const;
   // Fits the targets of a list; `values` per entry and `reports` per target.
   void fit_list(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
-                Array<Scalar>& values, std::vector<FitReport>& reports) const;
+                const Progress& progress, Array<Scalar>& values,
+                std::vector<FitReport>& reports) const;
   bool is_too_far(std::size_t t) const { return !too_far_.empty() && too_far_[t]; }
 
   // Targets farther from every particle than Options::max_distance lose their neighbours.

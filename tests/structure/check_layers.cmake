@@ -7,11 +7,14 @@
 #   src/<room>/             public headers, and private ones as "<room>/..." or of the same folder
 #   include/recon/*.hpp     belong to recon::recon: rooms from core to transfer
 #   src/programs/           public headers and files of the same folder
+# Boost and nanoflann, which recon::recon can be built without, are included in one file each.
 cmake_minimum_required(VERSION 3.22)
 
 set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer fields io mpm)
 set(last_of_recon transfer)
 set(headers_about_boost include/recon/points/boost_geometry.hpp)
+set(includes_boost src/neighbourhood/r_tree.cpp)
+set(includes_nanoflann src/neighbourhood/nanoflann_tree.hpp)
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/include/recon/* ${ROOT}/src/*)
 list(FILTER files INCLUDE REGEX "\\.(hpp|cpp|h|cc|cu|cuh|inl|ipp)$")
@@ -56,6 +59,12 @@ foreach(file IN LISTS files)
     if(public STREQUAL "include/recon" AND included MATCHES "^(boost/|nanoflann|omp\\.h|zlib\\.h|CLI/)" AND
        NOT (included MATCHES "^boost/" AND file IN_LIST headers_about_boost))
       complain("public headers do not pull this in")
+      continue()
+    endif()
+    if(public STREQUAL "src" AND NOT room STREQUAL "mpm" AND included MATCHES "^(boost|nanoflann)")
+      if(NOT file STREQUAL "${includes_${CMAKE_MATCH_1}}")
+        complain("recon can be built without this")
+      endif()
       continue()
     endif()
 

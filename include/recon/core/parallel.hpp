@@ -5,6 +5,14 @@
 // consumer needs no compiler flag for it. An exception thrown in a block is rethrown after the
 // loop. Of several, it is the one from the lowest block, so that messages do not depend on the
 // number of threads.
+//
+// In programs with threads of their own. All functions of recon may be called from any number of
+// threads at once, and const functions for one and the same object; an object that changes belongs
+// to one thread. Calls that name no number of threads share those there are: where n threads of the
+// program are in such calls at one time, recon works with at most n - 1 more than
+// default_threads(). Within a parallel region of OpenMP such a call stays on its thread. A number
+// that is named is kept. After fork(), loops of the child run on one thread, for OpenMP's do not
+// live on.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +22,8 @@
 namespace recon {
 
 // The number of threads of parallel loops where a call does not say: OpenMP's default
-// (OMP_NUM_THREADS or the number of processors), or 1 where recon was built without OpenMP.
+// (OMP_NUM_THREADS or the number of processors); 1 within a parallel region of OpenMP, in a child
+// of fork(), and where recon was built without OpenMP.
 int default_threads();
 
 namespace detail {

@@ -36,6 +36,7 @@
 #include <variant>
 
 #include "recon/core/instruction_set.hpp"
+#include "recon/core/progress.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/domain.hpp"
 #include "recon/points/point_cloud.hpp"
@@ -70,7 +71,7 @@ using NeighbourRule = std::variant<Radius, Radii, Nearest, NearestWithin>;
 enum class SupportShape { ball, cube };
 
 // automatic: brute force for few particles, else the cell grid, in batches of targets; the k-d tree
-// where particles are too uneven for cells, and for the k nearest with visibility or in a cube.
+// for uneven particles, and the k nearest with visibility or in a cube. r_tree may be left out.
 enum class SearchMethod { automatic, kd_tree, r_tree, cell_grid, brute_force };
 
 // May this particle be a neighbour of this target? Called concurrently, possibly more than once for
@@ -83,6 +84,7 @@ struct NeighbourOptions {
   Visibility visible{};                                        // empty: every particle is
   int threads = 0;                                             // 0: default_threads()
   InstructionSet instruction_set = InstructionSet::automatic;  // of the search by cells
+  Progress progress{};                                         // empty: nobody is told
 };
 
 // Throws InvalidArgument for rules with values outside their range, radii that are not one per

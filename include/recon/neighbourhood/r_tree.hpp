@@ -9,6 +9,9 @@
 // for those inserted later (memory grows with the largest index in use). Updates and queries must
 // not run at the same time.
 //
+// Where recon is built without Boost (RECON_WITH_BOOST=OFF) the constructors throw InvalidArgument
+// that says so.
+//
 // Wrong input (points or radii that are not finite, a negative radius, an index in use, one that is
 // not there, points of another dimension) throws InvalidArgument; k = 0 and an empty tree find
 // nothing.

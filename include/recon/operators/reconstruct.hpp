@@ -21,6 +21,10 @@
 // moving particles, make it from Sources (neighbourhood/sources.hpp) and update both. Memory: about
 // 12 bytes (double) per target and neighbour, and for coordinates, order and search 60 bytes per
 // particle and 50 per target in 3-D.
+//
+// Several threads may use one Reconstruction at once through const functions (core/parallel.hpp
+// says how threads are shared). Options::progress is told how far a long one has come, and can
+// cancel it: the call throws Cancelled, and an update leaves what an update that fails leaves.
 #pragma once
 
 #include <Eigen/Core>

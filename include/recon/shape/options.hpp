@@ -6,6 +6,7 @@
 #include <span>
 
 #include "recon/core/instruction_set.hpp"
+#include "recon/core/progress.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/neighbourhood/find_neighbours.hpp"
 #include "recon/neighbourhood/sources.hpp"
@@ -67,6 +68,8 @@ struct Options {
   FitTolerances tolerances{};
   int threads = 0;  // 0: default_threads(); the results do not depend on it
   InstructionSet instruction_set = InstructionSet::automatic;
+  // Told how far the making of a reconstruction, or an update of it, has come; can cancel that.
+  Progress progress{};
 
   SourcesOptions sources() const { return {domain, stretch, particle_weights, threads}; }
 

@@ -42,6 +42,10 @@ struct ShapeFunction {
 
 template <Basis B, class W, class T = double>
 class ShapeEvaluator {
+  static_assert(RadialWeight<W, T>,
+                "a weight needs w(q) and derivative(q), const, in the scalar of the evaluator, and "
+                "must be copyable: see RadialWeight in recon/weights/weight.hpp");
+
  public:
   static constexpr int D = B::dimension;
   using Point = std::array<T, D>;

@@ -43,11 +43,11 @@ namespace recon {
 // only, possibly concurrently, and must return finite numbers, w(q) >= 0; for others
 // InvalidArgument is thrown, with q and w, by the call that asked for the weight. A weight with
 // parameters may have a member validate() that throws InvalidArgument for values that are not
-// allowed; it is called when the weight is chosen.
-template <class W>
-concept RadialWeight = std::copy_constructible<W> && requires(const W& w, double q) {
-  { w(q) } -> std::convertible_to<double>;             // q = |x - x_p| / rho, no unit
-  { w.derivative(q) } -> std::convertible_to<double>;  // dw/dq
+// allowed; it is called when the weight is chosen. T is the scalar that a fit is computed in.
+template <class W, class T = double>
+concept RadialWeight = std::copy_constructible<W> && requires(const W& w, T q) {
+  { w(q) } -> std::convertible_to<T>;             // q = |x - x_p| / rho, no unit
+  { w.derivative(q) } -> std::convertible_to<T>;  // dw/dq
 };
 
 namespace detail {
@@ -260,14 +260,21 @@ class WeightFunction {
 
   WeightFunction(Weight weight = Weight::cubic_b_spline);
 
-  // same_as comes first: a concept that asked whether a WeightFunction can be copied would
-  // ask for itself.
+  // A type that is no RadialWeight is taken and refused in words, instead of with a list of the
+  // constructors that it does not fit.
   template <class W>
-  requires(!std::same_as<W, WeightFunction> && RadialWeight<W>) WeightFunction(W weight)
-      : state_(std::make_shared<const W>(std::move(weight))) {
-    detail::validate_weight(*static_cast<const W*>(state_.get()));
-    evaluate_double_ = &run<W, double>;
-    evaluate_float_ = &run<W, float>;
+  requires(std::is_class_v<W> && !std::derived_from<W, WeightFunction> &&
+           !std::convertible_to<W, Weight>) WeightFunction(W weight) {
+    static_assert(
+        RadialWeight<W>,
+        "a weight needs w(q) and derivative(q), const, double in and double out, and must "
+        "be copyable: see RadialWeight in recon/weights/weight.hpp");
+    if constexpr (RadialWeight<W>) {
+      detail::validate_weight(weight);
+      state_ = std::make_shared<const W>(std::move(weight));
+      evaluate_double_ = &run<W, double>;
+      evaluate_float_ = &run<W, float>;
+    }
   }
 
   // evaluate() as a plain function, to be called with state(). The built-in weights are compiled
@@ -304,8 +311,8 @@ class WeightFunction {
   }
 
   std::shared_ptr<const void> state_;
-  Function<double> evaluate_double_;
-  Function<float> evaluate_float_;
+  Function<double> evaluate_double_ = nullptr;
+  Function<float> evaluate_float_ = nullptr;
   std::optional<Weight> named_;
 };
 

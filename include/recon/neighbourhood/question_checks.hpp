@@ -1,0 +1,79 @@
+// What find_neighbours refuses: rules with values outside their range, and clouds that do not go
+// with each other or with the periodic domain. All throw InvalidArgument.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <variant>
+
+#include "recon/core/error.hpp"
+#include "recon/neighbourhood/find_neighbours.hpp"
+
+namespace recon::detail {
+
+// The k of a nearest rule; a negative one has become a large number.
+inline void require_count(std::size_t k) {
+  require(k >= 1, "k", k, "must be at least 1");
+  require(k <= 0xFFFFFFFFu, "k", static_cast<std::int64_t>(k), "must be from 1 to 2^32 - 1");
+}
+
+// Throws InvalidArgument for values outside their range; `targets` is the number of targets.
+template <class Scalar>
+void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
+  const auto positive = [](double length) {  // in the scalar type of the points
+    const auto rounded = static_cast<Scalar>(length);
+    return rounded > 0 && std::isfinite(rounded) &&
+           rounded * rounded >= std::numeric_limits<Scalar>::min();
+  };
+  const char* const length_rule =
+      "must be positive and finite, and not so small that its square underflows";
+  if (const auto* radius = std::get_if<Radius>(&rule)) {
+    require(positive(radius->radius), "radius", radius->radius, length_rule);
+  } else if (const auto* radii = std::get_if<Radii>(&rule)) {
+    require(radii->radii.size() == targets, "number of radii", radii->radii.size(),
+            "must be the number of targets");
+    for (std::size_t t = 0; t < targets; ++t)
+      if (!positive(radii->radii[t]))
+        throw_invalid("radius of target " + std::to_string(t), radii->radii[t], length_rule);
+  } else if (const auto* nearest = std::get_if<Nearest>(&rule)) {
+    require_count(nearest->k);
+    require(nearest->factor > 1 && std::isfinite(nearest->factor), "factor", nearest->factor,
+            "must be larger than 1 and finite");
+  } else if (const auto* near_within = std::get_if<NearestWithin>(&rule)) {
+    require_count(near_within->k);
+    require(positive(near_within->radius), "radius", near_within->radius, length_rule);
+  }
+}
+
+template <class Scalar>
+void require_in_domain(const Box<Scalar>& box, const PeriodicDomain<Scalar>& domain,
+                       const char* name) {
+  for (int d = 0; d < box.dimension && !box.is_empty(); ++d) {
+    if (!domain.periodic[d]) continue;
+    require(box.lower[d] >= domain.lower[d], name, box.lower[d], "must lie in the periodic domain");
+    require(box.upper[d] <= domain.upper[d], name, box.upper[d], "must lie in the periodic domain");
+  }
+}
+
+// Throws InvalidArgument unless rule, clouds and domain are as find_neighbours.hpp asks for.
+template <class Scalar>
+void require_valid_question(const PointCloud<Scalar>& particles, const PointCloud<Scalar>& targets,
+                            const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain) {
+  require(targets.dimension() == particles.dimension(), "dimension of the targets",
+          targets.dimension(), "must be the dimension of the particles");
+  require_valid_rule<Scalar>(rule, targets.size());
+  domain.validate(particles.dimension());
+  // Where all squared distances underflow, none is the nearest.
+  Scalar extent = 0;
+  for (int d = 0; d < particles.dimension() && particles.size() > 0; ++d)
+    extent = std::max(extent, particles.box().extent(d));
+  require(extent == 0 || extent * extent >= std::numeric_limits<Scalar>::min(),
+          "extent of the particles", extent, "must not be so small that its square underflows");
+  require_in_domain(particles.box(), domain, "particle coordinate");
+  require_in_domain(targets.box(), domain, "target coordinate");
+}
+
+}  // namespace recon::detail
