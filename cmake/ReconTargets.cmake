@@ -51,9 +51,10 @@ function(recon_add_simd_sources library)
     target_compile_definitions(${objects} PRIVATE RECON_SET=${set} ${RECON_SET_DEFINITIONS})
     target_sources(${library} PRIVATE $<TARGET_OBJECTS:${objects}>)
   endforeach()
-  # Searches decide by squared distances that must be the same for all sets; fits gain by fusing.
+  # Searches decide by squared distances that must be the same for all sets; fits gain by fusing. A sanitizer's
+  # checks stand between a product and its sum, so that some copies of a loop would be fused and others not.
   foreach(source IN LISTS ARGN)
-    if(source MATCHES "/neighbourhood/")
+    if(source MATCHES "/neighbourhood/" OR RECON_SANITIZE)
       set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -ffp-contract=off)
     else()
       set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -ffp-contract=fast)
