@@ -454,7 +454,7 @@ TEST(GridReconstruction, IsEmptyByDefault) {
   EXPECT_TRUE(none.limited().components.empty());
 }
 
-TEST(GridOptions, AreSaidByForGrid) {
+TEST(OptionsOfGrids, AreSaidByForGrid) {
   StructuredGrid<double> grid;
   grid.dimension = 3;
   grid.spacing = {0.1, 0.1, 0.1};
