@@ -26,14 +26,14 @@
 //   fitted anew from its particles by graded Gram-Schmidt. Memory beyond the result: 4 bytes for
 //   each particle (16 while they are sorted; 8 per coordinate more from Sources), half a byte for
 //   each node, and per thread about a megabyte.
-//   By lists, as reconstruct() does, for 4,096 nodes at a time: at degree 1 in 3-D and 8 particles
-//   to a cell XXX times the time of moments. Memory: that of Sources, and 12 bytes (36 with
-//   gradients) for each pair of these nodes and their particles, 25 MB for the 512 particles of a
-//   cubic spline.
+//   By lists, as reconstruct() does, for 4,096 nodes at a time. In 3-D, with 8 particles to a cell,
+//   12 times the time of moments at degree 1, three times at degree 2. Memory: that of Sources, and
+//   12 bytes (36 with gradients) for each pair of these nodes and their particles: 25 MB for the
+//   512 of a cubic spline.
 // Moments are used at degree 0 to 2, with the natural support or Radius, at most 8 spacings along
 // each axis, with the solver moment_matrix (or none said), and without a periodic domain,
 // `visible`, `grow`, `max_distance`, Unsupported::nearest, a search method and exact gradients.
-// Whatever else is asked goes by lists. Both ways have the same reports: `neighbours` counts the particles with
+// All else goes by lists. Both ways have the same reports: `neighbours` counts the particles with
 // w_ip > eps^2 w(0), and a node without any has the status no_support and the value fill_value.
 //
 // Particles may lie anywhere: those that no node sees count for nothing. In a periodic domain nodes
