@@ -112,8 +112,9 @@ template <class Scalar>
 recon::NeighbourList<Scalar> neighbours_of(const auto& points, const auto& targets,
                                            const recon::Options& options) {
   using recon::points_of;
-  return recon::find_neighbours(recon::PointCloud<Scalar>(points_of(points)),
-                                recon::PointCloud<Scalar>(points_of(targets)), options.neighbours);
+  const recon::PointCloud<Scalar> particles(points_of(points));
+  return recon::find_neighbours(particles, recon::PointCloud<Scalar>(points_of(targets)),
+                                *options.for_points(particles.dimension()).neighbours);
 }
 
 // Errors and exactness over all targets that have a value. Throws std::runtime_error where a target

@@ -49,8 +49,8 @@ class GridWorkload {
   std::size_t particles() const { return points_.size(); }
   const recon::StructuredGrid<Scalar>& grid() const { return grid_; }
 
-  recon::GridOptions options(int threads, recon::InstructionSet set) const {
-    recon::GridOptions options;
+  recon::Options options(int threads, recon::InstructionSet set) const {
+    recon::Options options;
     options.degree = 1;
     options.weight = setting_.weight;
     options.threads = threads;

@@ -14,8 +14,8 @@
 //   particles kept       Sources                  neighbourhood/sources.hpp
 //   what became of it    FitReport, FitReports    local_solve/report.hpp, operators/fit_summary.hpp
 //   grids of targets     StructuredGrid           points/structured_grid.hpp
-//   nodes of a grid      reconstruct_on_grid      grid/reconstruct_on_grid.hpp, without neighbour
-//                                                 lists
+//   nodes of a grid      reconstruct_on_grid      grid/reconstruct_on_grid.hpp, mostly without
+//                                                 neighbour lists
 //
 // Included separately: grid/grid_moments.hpp, points/boost_geometry.hpp, operators/sparse.hpp,
 // operators/kernel_sum.hpp, the searches (neighbourhood/kd_tree.hpp, ...), the templates for a

@@ -34,13 +34,13 @@ class ParticleFit {
     phi_.resize(static_cast<std::size_t>(cloud.size) * (1 + D));
     solve_.shape_functions(cloud,
                            ShapeArrays<Scalar, D>::in(phi_.data(), cloud.size, Derivative::diffuse,
-                                                      plan_.options.gradients, false));
+                                                      fits_.has_gradients(), false));
     const auto at = static_cast<Eigen::Index>(node);
     int column = 0;
     for (const auto& field : particles_.fields)
       for (int c = 0; c < field.components(); ++c, ++column) {
         fits_.values(at, column) = checked(sum(field, c, phi_.data()), "value", column, node);
-        for (int d = 0; d < D && plan_.options.gradients; ++d)
+        for (int d = 0; d < D && fits_.has_gradients(); ++d)
           fits_.gradients(at, column * D + d) =
               checked(sum(field, c, phi_.data() + (1 + d) * cloud.size) /
                           static_cast<Scalar>(plan_.axes[d].rho),
@@ -62,7 +62,7 @@ class ParticleFit {
       for (std::int64_t j = first[1]; j < last[1]; ++j)
         for (const std::uint32_t p : bins_.row(first[0], last[0], j, k)) {
           const std::int64_t i = plan_.axes[0].cell(static_cast<double>(particles_.points(p, 0)));
-          if (i >= first[0] && i < last[0] && mass(p) > 0) found_.push_back(p);
+          if (i >= first[0] && i < last[0]) found_.push_back(p);
         }
     std::sort(found_.begin(), found_.end());
   }
@@ -81,16 +81,13 @@ class ParticleFit {
       for (std::size_t i = 0; i < found_.size(); ++i)
         offsets[i] = (particles_.points(found_[i], d) - here) * inverse[d];
     }
-    if (particles_.weights.size() > 0) {
+    if (!particles_.weights.empty()) {
       Scalar* weights = stencil_.particle_weights();
-      for (std::size_t i = 0; i < found_.size(); ++i) weights[i] = mass(found_[i]);
+      for (std::size_t i = 0; i < found_.size(); ++i) weights[i] = particles_.weight(found_[i]);
     }
-    stencil_.weigh(plan_.options.weight, plan_.options.form, false);
+    stencil_.weigh(plan_.options.weight, plan_.form, false);
   }
 
-  Scalar mass(std::uint32_t p) const {
-    return particles_.weights.size() > 0 ? particles_.weights(p, 0) : Scalar(1);
-  }
   Scalar sum(const FieldView<Scalar>& field, int component, const Scalar* phi) const {
     const auto u = [&](int i) { return field(found_[stencil_.place(i)], component); };
     const Scalar total = detail::sum_of<Scalar>(count_, [&](int i) { return phi[i] * u(i); });

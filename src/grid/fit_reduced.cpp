@@ -74,7 +74,7 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
     b = matrix.solve(b);
     if (!std::isfinite(b[0])) throw_overflow(b[0], "value", c, node);
     fits.values(at, c) = b[0];
-    if (!plan.options.gradients) continue;
+    if (!fits.has_gradients()) continue;
     std::array<Scalar, D> slope{};
     for (int d = 0; d < D && R > 0; ++d) slope[d] = b[R == 0 ? 0 : 1 + d];
     if (partial) slope = partial->project(slope);

@@ -23,17 +23,35 @@ void for_each_number(const GridPlan<Scalar>& plan, const LaneLayout& lanes, std:
            static_cast<std::size_t>(i) * quantities + q);
 }
 
+template <class Scalar>
+void require_moments(const StructuredGrid<Scalar>& grid, const Options& options,
+                     const GridApply& apply) {
+  grid.validate();
+  options.validate();
+  if (const auto beyond = beyond_moments<Scalar>(grid, options, apply)) throw *beyond;
+}
+
+// The weights enter the sums as they are.
+template <class Scalar>
+void require_representable(std::span<const double> weights) {
+  using Limits = std::numeric_limits<Scalar>;
+  for (std::size_t p = 0; p < weights.size(); ++p)
+    if (!(weights[p] >= Limits::min() && weights[p] <= Limits::max())) [[unlikely]]
+      detail::throw_invalid("particle_weights of particle " + std::to_string(p), weights[p],
+                            "must be in the range of the precision of the moments");
+}
+
 }  // namespace
 
 template <class Scalar>
 BasicGridMoments<Scalar>::BasicGridMoments(const PointsView<Scalar>& points,
                                            const std::vector<FieldView<Scalar>>& fields,
                                            const StructuredGrid<Scalar>& grid,
-                                           const GridOptions& options,
-                                           const FieldView<Scalar>& particle_weights) {
-  require(options.limit == Limit::none, "limit", "range",
-          "must be none for moments: the range of the data is not among them");
-  const ParticleData<Scalar> particles{points, fields, particle_weights};
+                                           const Options& options) {
+  require_moments<Scalar>(grid, options, {});
+  const ParticleData<Scalar> particles{points, fields, options.particle_weights};
+  particles.validate(grid.dimension, options.threads);
+  require_representable<Scalar>(options.particle_weights);
   const auto plan = std::make_shared<const GridPlan<Scalar>>(grid, options, particles.components());
   plan_ = plan;
   const ParticleBins bins(particles, *plan);
@@ -59,8 +77,7 @@ BasicGridMoments<Scalar>& BasicGridMoments<Scalar>::operator+=(const BasicGridMo
   require(a.components == b.components, "components of the moments", b.components,
           "must be those of the moments they are added to");
   require(a.dimension() == b.dimension() && a.options.degree == b.options.degree &&
-              a.options.form == b.options.form &&
-              a.options.weight.named() == b.options.weight.named(),
+              a.form == b.form && a.options.weight.named() == b.options.weight.named(),
           "options of the moments", "different",
           "must have the dimension, degree, weight and form of the moments they are added to");
   for (int d = 0; d < a.dimension(); ++d)
@@ -76,9 +93,12 @@ BasicGridMoments<Scalar>& BasicGridMoments<Scalar>::operator+=(const BasicGridMo
 }
 
 template <class Scalar>
-BasicGridReconstruction<Scalar> BasicGridMoments<Scalar>::solve() const {
+BasicGridReconstruction<Scalar> BasicGridMoments<Scalar>::solve(const GridApply& apply) const {
   const GridPlan<Scalar>& plan = *plan_;
-  NodeFits<Scalar> fits(plan);
+  require_moments<Scalar>(plan.grid, plan.options, apply);
+  require(apply.limit == Limit::none, "limit", "range",
+          "must be none for moments: the range of the data is not among them");
+  NodeFits<Scalar> fits(plan, apply.gradients.has_value());
   const LaneLayout lanes = LaneLayout::of(plan);
   const auto rows = static_cast<std::size_t>(plan.axes[1].nodes * plan.axes[2].nodes);
   const auto row_size = static_cast<std::size_t>(plan.quantities() * lanes.lanes * lanes.groups);

@@ -11,13 +11,21 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "grid/row_kernel.hpp"
-#include "recon/grid/grid_options.hpp"
+#include "recon/core/error.hpp"
+#include "recon/grid/reconstruct_on_grid.hpp"
 #include "recon/points/structured_grid.hpp"
+#include "recon/shape/options.hpp"
 
 namespace recon {
+
+// What was asked that sums of moments cannot give, as an error that names it; none where they can.
+template <class Scalar>
+std::optional<InvalidArgument> beyond_moments(const StructuredGrid<Scalar>& grid,
+                                              const Options& options, const GridApply& apply);
 
 struct GridAxis {
   std::int64_t nodes = 1, cells = 1;
@@ -44,7 +52,8 @@ struct GridAxis {
 template <class Scalar>
 struct GridPlan {
   StructuredGrid<Scalar> grid;
-  GridOptions options;
+  Options options;  // without the particle weights
+  WeightForm form;
   InstructionSet set;
   int components;
   std::array<GridAxis, max_dimension> axes;  // beyond the dimension: one node, seen by one cell
@@ -53,8 +62,8 @@ struct GridPlan {
   WeightFunction::Function<Scalar> weight;
   Scalar least_weight;
 
-  // Throws InvalidArgument for bad options and grids.
-  GridPlan(const StructuredGrid<Scalar>& grid, const GridOptions& options, int components);
+  // Throws InvalidArgument for bad options and grids; nothing is asked that is beyond moments.
+  GridPlan(const StructuredGrid<Scalar>& grid, const Options& options, int components);
 
   int dimension() const { return grid.dimension; }
   int quantities() const { return kernel.quantities(components); }
@@ -66,6 +75,10 @@ struct GridPlan {
   }
 };
 
+extern template std::optional<InvalidArgument> beyond_moments(const StructuredGrid<float>&,
+                                                              const Options&, const GridApply&);
+extern template std::optional<InvalidArgument> beyond_moments(const StructuredGrid<double>&,
+                                                              const Options&, const GridApply&);
 extern template struct GridPlan<float>;
 extern template struct GridPlan<double>;
 

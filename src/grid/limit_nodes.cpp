@@ -15,17 +15,14 @@ class NodeLimiter {
   using Ranges = std::vector<detail::DataRange<Scalar>>;  // one for each component
 
   NodeLimiter(const ParticleData<Scalar>& particles, const ParticleBins& bins,
-              const GridPlan<Scalar>& plan, const Ranges& all, NodeFits<Scalar>& fits)
+              const GridPlan<Scalar>& plan, Limit kind, const Ranges& all, NodeFits<Scalar>& fits)
       : particles_(particles),
         bins_(bins),
         plan_(plan),
+        kind_(kind),
         all_(all),
         fits_(fits),
         ranges_(all.size()) {}
-
-  static bool counts(const ParticleData<Scalar>& particles, std::size_t p) {
-    return particles.weights.size() == 0 || particles.weights(p, 0) > 0;
-  }
 
   // Takes the data of a particle into the ranges.
   static void add(const ParticleData<Scalar>& particles, std::size_t p, Ranges& ranges) {
@@ -44,7 +41,7 @@ class NodeLimiter {
       const detail::DataRange<Scalar>& range = ranges_[c];
       Scalar& value = fits_.values(static_cast<Eigen::Index>(node), c);
       if (range.least > range.greatest || range.holds(value)) continue;
-      limited += range.limit(value, plan_.options.limit, all_[c], amplification);
+      limited += range.limit(value, kind_, all_[c], amplification);
     }
     return limited;
   }
@@ -71,7 +68,7 @@ class NodeLimiter {
         }
   }
 
-  // |xi_d| < 1 on each axis, or |xi| < 1, and m_p > 0.
+  // |xi_d| < 1 on each axis, or |xi| < 1.
   bool in_support(std::uint32_t p) const {
     Scalar sum = 0;
     for (int d = 0; d < std::min(max_dimension, plan_.dimension()); ++d) {
@@ -79,8 +76,7 @@ class NodeLimiter {
       if (!(std::abs(xi) < 1)) return false;
       sum += xi * xi;
     }
-    if (plan_.options.form == WeightForm::radial && !(sum < 1)) return false;
-    return counts(particles_, p);
+    return plan_.form == WeightForm::tensor_product || sum < 1;
   }
 
   bool all_held() const {
@@ -92,6 +88,7 @@ class NodeLimiter {
   const ParticleData<Scalar>& particles_;
   const ParticleBins& bins_;
   const GridPlan<Scalar>& plan_;
+  const Limit kind_;
   const Ranges& all_;
   NodeFits<Scalar>& fits_;
   std::size_t node_ = 0;
@@ -104,15 +101,15 @@ class NodeLimiter {
 
 template <class Scalar>
 LimitCount limit_nodes(const ParticleData<Scalar>& particles, const ParticleBins& bins,
-                       const GridPlan<Scalar>& plan, NodeFits<Scalar>& fits) {
+                       const GridPlan<Scalar>& plan, Limit kind, NodeFits<Scalar>& fits) {
   LimitCount count;
   count.components.assign(fits.reports.size(), 0);
   typename NodeLimiter<Scalar>::Ranges all(static_cast<std::size_t>(plan.components));
   for (std::size_t p = 0; p < particles.points.size(); ++p)
-    if (NodeLimiter<Scalar>::counts(particles, p)) NodeLimiter<Scalar>::add(particles, p, all);
+    NodeLimiter<Scalar>::add(particles, p, all);
   parallel_blocks(fits.reports.size(), nodes_per_block, plan.options.threads,
                   [&](std::size_t begin, std::size_t end) {
-                    NodeLimiter<Scalar> limiter(particles, bins, plan, all, fits);
+                    NodeLimiter<Scalar> limiter(particles, bins, plan, kind, all, fits);
                     for (std::size_t i = begin; i < end; ++i)
                       if (fits.reports[i].status != FitStatus::no_support)
                         count.components[i] = limiter.limit(i);
@@ -122,8 +119,8 @@ LimitCount limit_nodes(const ParticleData<Scalar>& particles, const ParticleBins
 }
 
 template LimitCount limit_nodes(const ParticleData<float>&, const ParticleBins&,
-                                const GridPlan<float>&, NodeFits<float>&);
+                                const GridPlan<float>&, Limit, NodeFits<float>&);
 template LimitCount limit_nodes(const ParticleData<double>&, const ParticleBins&,
-                                const GridPlan<double>&, NodeFits<double>&);
+                                const GridPlan<double>&, Limit, NodeFits<double>&);
 
 }  // namespace recon

@@ -16,7 +16,8 @@ struct NodeFits {
   Matrix values, gradients;
   std::vector<FitReport> reports;
 
-  explicit NodeFits(const GridPlan<Scalar>& plan);
+  NodeFits(const GridPlan<Scalar>& plan, bool with_gradients);
+  bool has_gradients() const { return gradients.rows() > 0; }
   // The nodes that have particles and that RowSolver could not solve.
   std::vector<std::size_t> unsafe() const;
 };
@@ -51,7 +52,7 @@ void fit_from_particles(const ParticleData<Scalar>& particles, const ParticleBin
 // Brings values of nodes back into the range of the data in their supports (operators/limit.hpp).
 template <class Scalar>
 LimitCount limit_nodes(const ParticleData<Scalar>& particles, const ParticleBins& bins,
-                       const GridPlan<Scalar>& plan, NodeFits<Scalar>& fits);
+                       const GridPlan<Scalar>& plan, Limit kind, NodeFits<Scalar>& fits);
 
 // Fits nodes from moments ([node][quantity]), with the highest degree at which that is safe.
 template <class Scalar>

@@ -26,26 +26,18 @@ void check_particle(const ParticleData<Scalar>& data, std::size_t p) {
     for (int c = 0; c < data.fields[f].components(); ++c)
       require_finite(data.fields[f](p, c), "component " + std::to_string(c) + " of field " +
                                                std::to_string(f) + " at point ");
-  if (data.weights.size() > 0 && !(std::isfinite(data.weights(p, 0)) && data.weights(p, 0) >= 0))
-    detail::throw_invalid("weight of particle " + std::to_string(p), data.weights(p, 0),
-                          "must be finite and not negative");
 }
 
 // x - x is 0 for finite numbers and NaN for others: one test for a block of particles.
 template <class Scalar>
 void check(const ParticleData<Scalar>& data, std::size_t begin, std::size_t end) {
-  Scalar sum = 0, least = 0;
+  Scalar sum = 0;
   for (int d = 0; d < data.points.dimension(); ++d)
     for (std::size_t p = begin; p < end; ++p) sum += data.points(p, d) - data.points(p, d);
   for (const auto& field : data.fields)
     for (std::size_t p = begin; p < end; ++p)
       for (int c = 0; c < field.components(); ++c) sum += field(p, c) - field(p, c);
-  if (data.weights.size() > 0)
-    for (std::size_t p = begin; p < end; ++p) {
-      sum += data.weights(p, 0) - data.weights(p, 0);
-      least = std::min(least, data.weights(p, 0));
-    }
-  if (sum == 0 && least >= 0) return;
+  if (sum == 0) return;
   for (std::size_t p = begin; p < end; ++p) check_particle(data, p);
 }
 
@@ -80,24 +72,24 @@ void find_bins(const PointsView<Scalar>& points, const GridPlan<Scalar>& plan,
 }  // namespace
 
 template <class Scalar>
-ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scalar>& plan) {
-  const std::size_t n = data.points.size();
+void ParticleData<Scalar>::validate(int dimension, int threads) const {
+  const std::size_t n = points.size();
   require(n < most_particles, "points", n, "must be fewer than 2^32 - 1 points");
-  require(data.points.dimension() == plan.dimension(), "dimension of the points",
-          data.points.dimension(), "must be that of the grid");
-  for (const auto& field : data.fields)
+  require(points.dimension() == dimension, "dimension of the points", points.dimension(),
+          "must be that of the grid");
+  for (const auto& field : fields)
     require(field.size() == n, "size of the field", field.size(),
             "must be the number of particles");
-  if (data.weights.size() > 0) {
-    require(data.weights.size() == n, "size of the particle weights", data.weights.size(),
-            "must be the number of particles, or 0");
-    require(data.weights.components() == 1, "components of the particle weights",
-            data.weights.components(), "must be 1");
-  }
-  const int threads = plan.options.threads > 0 ? plan.options.threads : default_threads();
+  require(weights.empty() || weights.size() == n, "number of particle_weights", weights.size(),
+          "must be the number of particles, or 0");
   parallel_blocks(n, checked_at_once, threads,
-                  [&](std::size_t begin, std::size_t end) { check(data, begin, end); });
+                  [&](std::size_t begin, std::size_t end) { check(*this, begin, end); });
+}
 
+template <class Scalar>
+ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scalar>& plan) {
+  const std::size_t n = data.points.size();
+  const int threads = plan.options.threads > 0 ? plan.options.threads : default_threads();
   rows_ = plan.axes[1].cells;
   bins_per_row_ = (plan.axes[0].cells + cells_per_bin - 1) / cells_per_bin;
   const auto bins = static_cast<std::size_t>(bins_per_row_ * rows_ * plan.axes[2].cells);
@@ -114,6 +106,8 @@ ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scal
   sort_.forget_scratch();
 }
 
+template struct ParticleData<float>;
+template struct ParticleData<double>;
 template ParticleBins::ParticleBins(const ParticleData<float>&, const GridPlan<float>&);
 template ParticleBins::ParticleBins(const ParticleData<double>&, const GridPlan<double>&);
 

@@ -19,9 +19,16 @@ template <class Scalar>
 struct ParticleData {
   PointsView<Scalar> points;
   std::vector<FieldView<Scalar>> fields;
-  FieldView<Scalar> weights;
+  std::span<const double> weights;
   // Multiplies the weights: a power of two that brings the largest to the order of one.
-  Scalar weight_scale = 1;
+  double weight_scale = 1;
+
+  Scalar weight(std::size_t p) const { return static_cast<Scalar>(weights[p] * weight_scale); }
+
+  // Throws InvalidArgument for sizes that differ, another dimension, and numbers that are not
+  // finite (naming the particle and the axis or component). The values of the weights are checked
+  // with the options.
+  void validate(int dimension, int threads) const;
 
   int components() const {
     int sum = 0;
@@ -34,8 +41,7 @@ class ParticleBins {
  public:
   static constexpr int cells_per_bin = 8;
 
-  // Throws InvalidArgument for sizes that differ, numbers that are not finite (naming the particle
-  // and the axis or component) and negative weights.
+  // Of valid particles. Throws InvalidArgument for grids with too many rows of cells.
   template <class Scalar>
   ParticleBins(const ParticleData<Scalar>& particles, const GridPlan<Scalar>& plan);
 
@@ -55,6 +61,8 @@ class ParticleBins {
   detail::CountingSort sort_;
 };
 
+extern template struct ParticleData<float>;
+extern template struct ParticleData<double>;
 extern template ParticleBins::ParticleBins(const ParticleData<float>&, const GridPlan<float>&);
 extern template ParticleBins::ParticleBins(const ParticleData<double>&, const GridPlan<double>&);
 

@@ -120,10 +120,8 @@ class RowGather {
         return static_cast<Scalar>(axis.offset(x, row + along * cell_[i]));
       });
     }
-    if (particles_.weights.size() > 0)
-      fill([&](std::size_t i) {
-        return particles_.weights(particle_[i], 0) * particles_.weight_scale;
-      });
+    if (!particles_.weights.empty())
+      fill([&](std::size_t i) { return particles_.weight(particle_[i]); });
     else
       fill([](std::size_t) { return Scalar(1); });
     for (const Column column : columns_)

@@ -12,10 +12,10 @@ constexpr std::int8_t not_safe = -2;  // FitReport::degree of nodes that still w
 }  // namespace
 
 template <class Scalar>
-NodeFits<Scalar>::NodeFits(const GridPlan<Scalar>& plan)
+NodeFits<Scalar>::NodeFits(const GridPlan<Scalar>& plan, bool with_gradients)
     : values(plan.grid.size(), plan.components),
-      gradients(plan.options.gradients ? plan.grid.size() : 0,
-                plan.options.gradients ? plan.components * plan.dimension() : 0),
+      gradients(with_gradients ? plan.grid.size() : 0,
+                with_gradients ? plan.components * plan.dimension() : 0),
       reports(plan.grid.size()) {}
 
 template <class Scalar>
@@ -34,7 +34,7 @@ RowSolver<Scalar>::RowSolver(const GridPlan<Scalar>& plan, const LaneLayout& lan
       fits_(fits),
       out_size_(static_cast<std::size_t>(NodeRow<Scalar>::head +
                                          plan.components *
-                                             (plan.options.gradients ? 1 + plan.dimension() : 1))),
+                                             (fits.has_gradients() ? 1 + plan.dimension() : 1))),
       noise_(static_cast<std::size_t>(lanes.groups * lanes.lanes)),
       out_(static_cast<std::size_t>(lanes.groups * lanes.lanes) * out_size_) {
   full_.solver = Solver::moment_matrix;
@@ -56,7 +56,7 @@ void RowSolver<Scalar>::operator()(const FinishedRow<Scalar>& row) {
   NodeRow<Scalar> nodes{};
   nodes.groups = lanes_.groups;
   nodes.components = plan_.components;
-  nodes.gradients = plan_.options.gradients;
+  nodes.gradients = fits_.has_gradients();
   nodes.tolerances = plan_.options.tolerances;
   for (int d = 0; d < plan_.dimension(); ++d)
     nodes.inverse_rho[d] = static_cast<Scalar>(1 / plan_.axes[d].rho);
@@ -96,7 +96,7 @@ void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t co
   const auto lanes = static_cast<std::size_t>(lanes_.lanes);
   const auto at = static_cast<Eigen::Index>(node);
   FitReport& report = fits_.reports[node];
-  const int dimension = plan_.options.gradients ? plan_.dimension() : 0;
+  const int dimension = fits_.has_gradients() ? plan_.dimension() : 0;
   if (out[0] != 0 && in_range(out, weight_sum)) {
     report = full_;
     report.neighbours = static_cast<std::uint32_t>(count);

@@ -102,7 +102,7 @@ class TileSweep {
     row.components = plan_.components;
     row.stencil = n_;
     for (int d = 0; d < max_dimension; ++d) row.offset[d] = plan_.node_offsets[d].data();
-    row.form = plan_.options.form;
+    row.form = plan_.form;
     row.weight = plan_.weight;
     row.weight_state = plan_.options.weight.state();
     row.least_weight = plan_.least_weight;

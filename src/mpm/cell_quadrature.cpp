@@ -2,7 +2,7 @@
 
 #include "mpm/add_point.hpp"
 #include "recon/core/parallel.hpp"
-#include "recon/operators/reconstruct.hpp"
+#include "recon/grid/reconstruct_on_grid.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -52,29 +52,17 @@ std::vector<double> fill_of(const Problem<D>& problem) {
   return fill;
 }
 
-// At degrees beyond those of moments on a grid, by neighbour lists.
+// Degrees above 2 want more particles than a quadratic spline sees.
 template <int D>
 void fit(const Problem<D>& problem, const FieldView<double>& field,
          const StructuredGrid<double>& targets, Weight weight, Cells<D>& cells) {
-  const auto points = points_of(problem.particles.x);
-  if (problem.method.degree <= 2) {
-    auto made = reconstruct_on_grid(
-        points, {field}, targets,
-        {.degree = problem.method.degree, .weight = weight, .threads = problem.threads});
-    cells.fit = made.report();
-    cells.values = std::move(made).values();
-    return;
-  }
-  const auto nodes = targets.nodes();
-  const Reconstruction made = reconstruct(points, nodes.view(),
-                                          {.degree = problem.method.degree,
-                                           .weight = Weight::cubic_b_spline,
-                                           .form = WeightForm::tensor_product,
-                                           .neighbours = Radius{2 * problem.grid.h()},
-                                           .threads = problem.threads});
-  cells.values.resize(static_cast<Eigen::Index>(targets.size()), field.components());
-  made.apply(field, field_of(cells.values));
+  const int degree = problem.method.degree;
+  auto made = reconstruct_on_grid(points_of(problem.particles.x), {field}, targets,
+                                  {.degree = degree,
+                                   .weight = degree <= 2 ? weight : Weight::cubic_b_spline,
+                                   .threads = problem.threads});
   cells.fit = made.report();
+  cells.values = std::move(made).values();
 }
 
 }  // namespace

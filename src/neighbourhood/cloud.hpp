@@ -34,6 +34,7 @@ class Cloud {
   const PeriodicDomain<Scalar>& domain() const { return domain_; }
   const PeriodicDomain<double>& callers_domain() const { return options_.domain; }
   const std::array<double, max_dimension>& stretch() const { return options_.stretch; }
+  std::span<const double> callers_weights() const { return callers_weights_; }
   // Divided by the largest; null: all ones.
   const Scalar* weights() const { return weights_.empty() ? nullptr : weights_.data(); }
 

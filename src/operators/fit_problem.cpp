@@ -6,7 +6,6 @@
 #include "operators/far_targets.hpp"
 #include "operators/list_rows.hpp"
 #include "operators/search_options.hpp"
-#include "recon/basis/monomials.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/neighbourhood/question_checks.hpp"
 
@@ -16,25 +15,18 @@ namespace {
 constexpr std::size_t targets_per_block = 256, many_per_block = 16384;
 constexpr std::size_t fewest_sorted = 512;  // below this, everything is in the cache anyway
 
-// The default rule: twice as many neighbours as terms, plus one.
-NeighbourRule resolved_rule(const NeighbourRule& rule, int dimension, int degree) {
-  const Nearest* nearest = std::get_if<Nearest>(&rule);
-  if (!nearest || nearest->k != 0) return rule;
-  return Nearest{static_cast<std::size_t>(2 * monomial_count(dimension, degree) + 1),
-                 nearest->factor};
-}
-
 }  // namespace
 
 template <class Scalar>
 FitProblem<Scalar>::FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const Options& options)
-    : cloud_(std::move(cloud)), options_(options) {
-  options.validate();
+    : cloud_(std::move(cloud)),
+      options_(options.for_points(dimension())),
+      rule_(*options_.neighbours) {
   options_.particle_weights = {};  // the cloud has its own
-  options_.neighbours = resolved_rule(options.neighbours, dimension(), options.degree);
-  kernel_ = make_shape_kernel<Scalar>(dimension(),
-                                      {options.degree, options.weight, options.form, options.solver,
-                                       options.tolerances, resolved(options.instruction_set)});
+  options_.neighbours.reset();     // rule_ is what holds
+  kernel_ = make_shape_kernel<Scalar>(
+      dimension(), {options.degree, options.weight, *options_.form, *options_.solver,
+                    options.tolerances, resolved(options.instruction_set)});
 }
 
 template <class Scalar>
@@ -45,17 +37,16 @@ void FitProblem<Scalar>::require_dimension(const PointsView<Scalar>& targets) co
 
 template <class Scalar>
 void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, const NeighbourRule* rule) {
-  const NeighbourRule asked =
-      rule ? resolved_rule(*rule, dimension(), options_.degree) : options_.neighbours;
+  const NeighbourRule asked = rule ? *rule : rule_;
   require_dimension(targets);
   require_valid_rule<Scalar>(asked, targets.size());
   cloud_->take_targets(targets, "targets", options_.threads, incoming_);
-  rule_before_ = options_.neighbours;
-  options_.neighbours = asked;
+  rule_before_ = rule_;
+  rule_ = asked;
   if (const auto* given = std::get_if<Radii>(&asked)) {
     if (given->radii.data() != radii_.data())
       radii_.assign(given->radii.begin(), given->radii.end());
-    options_.neighbours = Radii{radii_};
+    rule_ = Radii{radii_};
   }
   own_neighbours_ = false;
 }
@@ -84,7 +75,7 @@ void FitProblem<Scalar>::fit(Array<Scalar> values) {
 
 template <class Scalar>
 void FitProblem<Scalar>::abandon() {
-  if (!std::holds_alternative<Radii>(rule_before_)) options_.neighbours = rule_before_;
+  if (!std::holds_alternative<Radii>(rule_before_)) rule_ = rule_before_;
   targets_ = PointCloud<Scalar>();
   target_of_.clear();
   neighbours_ = {};
@@ -140,7 +131,7 @@ void FitProblem<Scalar>::fit_taken() {
                            for (std::size_t t = begin; t < end; ++t)
                              reports[pattern_->target(t)] = row_reports_[t];
                          });
-  reports_ = FitReports(std::move(reports), options_.solver);
+  reports_ = FitReports(std::move(reports), *options_.solver);
 }
 
 template <class Scalar>
@@ -177,7 +168,7 @@ void FitProblem<Scalar>::make_pattern() {
 
 template <class Scalar>
 NeighbourOptions FitProblem<Scalar>::search_options() const {
-  NeighbourOptions search = detail::search_options(options_);
+  NeighbourOptions search = detail::search_options(options_, *options_.form);
   if (options_.visible)
     search.visible = [this](std::size_t t, std::size_t p) {
       return options_.visible(caller_target(t), cloud_->caller_of()[p]);
@@ -187,8 +178,7 @@ NeighbourOptions FitProblem<Scalar>::search_options() const {
 
 template <class Scalar>
 NeighbourRule FitProblem<Scalar>::ordered_rule(std::vector<double>& radii) const {
-  if (!std::holds_alternative<Radii>(options_.neighbours) || target_of_.empty())
-    return options_.neighbours;
+  if (!std::holds_alternative<Radii>(rule_) || target_of_.empty()) return rule_;
   radii.clear();
   for (const std::uint32_t t : target_of_) radii.push_back(radii_[t]);
   return Radii{radii};

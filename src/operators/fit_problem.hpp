@@ -60,7 +60,7 @@ class FitProblem {
 
   std::size_t caller_target(std::size_t t) const { return target_of_.empty() ? t : target_of_[t]; }
   NeighbourOptions search_options() const;
-  // The rule of the options for the targets in this order; `radii` keeps what it refers to.
+  // The rule for the targets in this order; `radii` keeps what it refers to.
   NeighbourRule ordered_rule(std::vector<double>& radii) const;
   ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
                                      const NeighbourListView<Scalar>& list) const;
@@ -78,7 +78,8 @@ class FitProblem {
   void use_nearest(const NeighbourOptions& search);
 
   std::shared_ptr<const Cloud<Scalar>> cloud_;
-  Options options_;            // refers to radii_ where its rule is Radii
+  Options options_;
+  NeighbourRule rule_;         // refers to radii_ where it is Radii
   std::vector<double> radii_;  // of the caller's targets
   NeighbourRule rule_before_ = Nearest{1};
   NeighbourList<Scalar> given_;  // the caller's, until fit() takes it

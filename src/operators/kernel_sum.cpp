@@ -116,7 +116,7 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
                                     const PointsView<Scalar>& targets,
                                     const KernelOptions& options) {
   const detail::Cloud<Scalar>& cloud = *sources.cloud();
-  const NeighbourOptions search = detail::search_options(options);
+  const NeighbourOptions search = detail::search_options(options, options.form);
   PointCloud<Scalar> at;
   cloud.take_targets(targets, "targets", options.threads, at);
   auto pattern = std::make_shared<SparsityPattern<Scalar>>();

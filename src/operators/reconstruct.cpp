@@ -14,17 +14,7 @@ using detail::require;
 template <class Scalar>
 std::shared_ptr<const detail::Cloud<Scalar>> cloud_of(const BasicSources<Scalar>& sources,
                                                       const Options& options) {
-  const SourcesOptions none, said = options.sources();
-  const char* const rule = "belongs to the Sources: say it where they are made";
-  require(said.particle_weights.empty(), "particle_weights", said.particle_weights.size(), rule);
-  std::string stretch, periodic;
-  for (int d = 0; d < max_dimension; ++d) {
-    stretch += (d ? ", " : "") + detail::to_text(said.stretch[d]);
-    if (said.domain.periodic[d])
-      periodic += (periodic.empty() ? "" : ", ") + std::string(1, "xyz"[d]);
-  }
-  require(said.stretch == none.stretch, "stretch", "{" + stretch + "}", rule);
-  require(!said.domain.any(), "domain", "periodic along " + periodic, rule);
+  options.validate_with_sources();
   return sources.cloud();
 }
 
@@ -36,6 +26,16 @@ std::shared_ptr<const detail::Cloud<Scalar>> cloud_of(const PointsView<Scalar>& 
   require(points.dimension() == targets.dimension(), "dimension of the targets",
           targets.dimension(), "must be that of the points");
   return std::make_shared<detail::Cloud<Scalar>>(points, options.sources());
+}
+
+// As for_grid(), where the stretch is that of the Sources.
+template <class Scalar>
+Options options_of_sources(const StructuredGrid<Scalar>& grid, const Options& options) {
+  Options all = options.for_grid(grid);
+  require(all.stretch == options.stretch, "neighbours", "empty",
+          "must be said for Sources on a grid whose spacings differ: its natural supports differ "
+          "between the axes, and the stretch that would say so belongs to the Sources");
+  return all;
 }
 
 // The place of d2/dx_a dx_b, a <= b, in xx, xy, xz, yy, yz, zz.
@@ -80,6 +80,22 @@ BasicReconstruction<Scalar>::BasicReconstruction(const BasicSources<Scalar>& sou
     : problem_(std::make_shared<Problem>(cloud_of(sources, options), options)) {
   update(targets, std::move(neighbours));
 }
+
+template <class Scalar>
+BasicReconstruction<Scalar>::BasicReconstruction(const PointsView<Scalar>& points,
+                                                 const StructuredGrid<Scalar>& grid,
+                                                 const Options& options)
+    : BasicReconstruction(points, grid.nodes().view(), options.for_grid(grid)) {}
+
+template <class Scalar>
+BasicReconstruction<Scalar>::BasicReconstruction(const BasicSources<Scalar>& sources,
+                                                 const StructuredGrid<Scalar>& grid,
+                                                 const Options& options)
+    : BasicReconstruction(sources, grid.nodes().view(), options_of_sources(grid, options)) {}
+
+template <class Scalar>
+BasicReconstruction<Scalar>::BasicReconstruction()
+    : BasicReconstruction(PointsView<Scalar>(), PointsView<Scalar>(), Options()) {}
 
 template <class Scalar>
 template <class... Neighbours>

@@ -8,9 +8,9 @@ namespace recon::detail {
 
 // Of Options or KernelOptions: in a ball for radial weights, in a cube for products of the axes.
 template <class Choice>
-NeighbourOptions search_options(const Choice& choice) {
+NeighbourOptions search_options(const Choice& choice, WeightForm form) {
   NeighbourOptions search;
-  search.shape = choice.form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
+  search.shape = form == WeightForm::radial ? SupportShape::ball : SupportShape::cube;
   search.search = choice.search;
   search.threads = choice.threads;
   search.instruction_set = choice.instruction_set;

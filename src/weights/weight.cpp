@@ -35,6 +35,23 @@ constexpr auto weights = [] {
   return all;
 }();
 
+double natural_support_of(Weight weight) {
+  switch (weight) {
+    case Weight::linear_b_spline:
+      return 1;
+    case Weight::quadratic_b_spline:
+      return 1.5;
+    case Weight::cubic_b_spline:
+      return 2;
+    case Weight::quartic_b_spline:
+      return 2.5;
+    case Weight::quintic_b_spline:
+      return 3;
+    default:
+      return 0;
+  }
+}
+
 WeightFunction make(Weight weight) {
   switch (weight) {
     case Weight::linear_b_spline:
@@ -100,5 +117,9 @@ WeightFunction::Function<Scalar> WeightFunction::function(
 }
 template WeightFunction::Function<float> WeightFunction::function<float>(InstructionSet) const;
 template WeightFunction::Function<double> WeightFunction::function<double>(InstructionSet) const;
+
+double natural_support(const WeightFunction& weight) {
+  return weight.named() ? natural_support_of(*weight.named()) : 0;
+}
 
 }  // namespace recon

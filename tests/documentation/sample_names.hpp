@@ -34,7 +34,7 @@ extern const recon::Sources sources;
 extern const recon::Reconstruction fit;
 extern const recon::FieldView<double> velocity, stress, density, nodal_force, mass;
 extern const recon::StructuredGrid<double> grid;
-extern const recon::GridOptions options;
+extern const recon::Options options;
 extern const recon::GridMoments others;
 extern const std::vector<double> nodal_density;
 extern const double h, dt;

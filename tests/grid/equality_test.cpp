@@ -21,10 +21,11 @@ TYPED_TEST(GridEquality, AllWeightsFormsAndDegrees) {
   for (const Weight weight : all_weights())
     for (const WeightForm form : {WeightForm::tensor_product, WeightForm::radial})
       for (int degree = 0; degree <= 2; ++degree) {
-        GridOptions options{.degree = degree, .weight = weight, .form = form};
-        if (weight > Weight::quintic_b_spline)
-          for (int d = 0; d < D; ++d)
-            options.support[d] = 1.7 * static_cast<double>(grid.spacing[d]);
+        Options options{.degree = degree, .weight = weight, .form = form};
+        if (weight > Weight::quintic_b_spline) {
+          options.neighbours = Radius{1.7};
+          for (int d = 0; d < D; ++d) options.stretch[d] = static_cast<double>(grid.spacing[d]);
+        }
         const auto fit = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
         expect_equal(fit, points, u, grid, equivalent(options, grid, natural_support(weight)),
                      std::string(name_of(weight)) + (form == WeightForm::radial ? ", radial" : "") +
@@ -41,13 +42,13 @@ TYPED_TEST(GridEquality, ManyComponentsAndGradients) {
   for (int degree = 0; degree <= 2; ++degree)
     for (const int components : {1, 3, 4, 5, 7, 11}) {
       const Matrix<Scalar> u = wave(points, components);
-      const GridOptions options{
-          .degree = degree, .weight = Weight::quadratic_b_spline, .gradients = true};
+      const Options options{.degree = degree, .weight = Weight::quadratic_b_spline};
       // The same data as two fields.
       const Matrix<Scalar> first = u.leftCols(1), rest = u.rightCols(components - 1);
       std::vector<FieldView<Scalar>> fields{field_of(first)};
       if (components > 1) fields.push_back(field_of(rest));
-      const auto fit = reconstruct_on_grid(points_of(points), fields, grid, options);
+      const auto fit = reconstruct_on_grid(points_of(points), fields, grid, options,
+                                           {.gradients = Derivative::diffuse});
       const BasicReconstruction<Scalar> expected(points_of(points), grid.nodes().view(),
                                                  equivalent(options, grid, 1.5));
       const std::string where =
@@ -72,7 +73,7 @@ TYPED_TEST(GridEquality, HostileClouds) {
   for (const auto& cloud : hostile_clouds<Scalar, D>())
     for (int degree = 0; degree <= 2; ++degree) {
       const Matrix<Scalar> u = wave(cloud.points, 2);
-      const GridOptions options{.degree = degree};
+      const Options options{.degree = degree};
       const auto fit = reconstruct_on_grid(points_of(cloud.points), {field_of(u)}, grid, options);
       expect_equal(fit, cloud.points, u, grid, equivalent(options, grid, 2),
                    cloud.name + ", degree " + std::to_string(degree));
@@ -97,16 +98,15 @@ TYPED_TEST(GridEquality, OwnWeight) {
   const auto points = random_points<Scalar, D>(D == 1 ? 60 : 400, 5);
   const Matrix<Scalar> u = wave(points, 1);
   const auto grid = uneven_grid<Scalar, D>();
-  GridOptions options{.weight = Cone{}, .support = {0.5, 0.6, 0.7}};
+  Options options{.weight = Cone{}, .neighbours = Radius{1}, .stretch = {0.5, 0.6, 0.7}};
   const auto fit = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
   expect_equal(fit, points, u, grid, equivalent(options, grid, 0), "cone");
-  options.support = {};
+  options.neighbours.reset();
   EXPECT_THROW(reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options),
                InvalidArgument);
 }
 
-// Weights of particles are those of Options::particle_weights, at nodes that are fitted anew from
-// their particles, too.
+// Also at nodes that are fitted anew from their particles.
 TYPED_TEST(GridEquality, ParticleWeights) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
@@ -114,36 +114,31 @@ TYPED_TEST(GridEquality, ParticleWeights) {
   for (const auto& cloud : hostile_clouds<Scalar, D>())
     for (int degree = 0; degree <= 2; ++degree) {
       std::vector<double> weights;
-      std::vector<Scalar> same_weights;
-      for (std::size_t p = 0; p < cloud.points.size(); ++p) {
+      for (std::size_t p = 0; p < cloud.points.size(); ++p)
         weights.push_back(static_cast<double>(1 + p * 7 % 10));
-        same_weights.push_back(static_cast<Scalar>(weights.back()));
-      }
       const Matrix<Scalar> u = wave(cloud.points, 2);
-      const GridOptions options{.degree = degree};
-      const auto fit = reconstruct_on_grid(points_of(cloud.points), {field_of(u)}, grid, options,
-                                           field_of(same_weights));
-      Options same = equivalent(options, grid, 2);
-      same.particle_weights = weights;
-      expect_equal(fit, cloud.points, u, grid, same,
+      const Options options{.degree = degree, .particle_weights = weights};
+      const auto fit = reconstruct_on_grid(points_of(cloud.points), {field_of(u)}, grid, options);
+      expect_equal(fit, cloud.points, u, grid, equivalent(options, grid, 2),
                    cloud.name + ", degree " + std::to_string(degree));
     }
 }
 
-// A particle of weight 2 counts like two particles, one of weight 0 not at all.
+// A particle of weight 2 counts like two particles.
 TYPED_TEST(GridEquality, ParticleWeightsAreMultiplicities) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
   const auto once = random_points<Scalar, D>(D == 1 ? 50 : D == 2 ? 200 : 400, 8);
-  std::vector<Scalar> weights;
+  std::vector<double> weights;
   PointList<Scalar, D> repeated;
   for (std::size_t p = 0; p < once.size(); ++p) {
-    weights.push_back(static_cast<Scalar>(p % 3));
-    for (std::size_t i = 0; i < p % 3; ++i) repeated.push_back(once[p]);
+    weights.push_back(static_cast<double>(1 + p % 3));
+    for (std::size_t i = 0; i < 1 + p % 3; ++i) repeated.push_back(once[p]);
   }
   const Matrix<Scalar> u = wave(once, 3), v = wave(repeated, 3);
   const auto grid = uneven_grid<Scalar, D>();
-  const auto fit = reconstruct_on_grid(points_of(once), {field_of(u)}, grid, {}, field_of(weights));
+  const auto fit =
+      reconstruct_on_grid(points_of(once), {field_of(u)}, grid, {.particle_weights = weights});
   const auto expected = reconstruct_on_grid(points_of(repeated), {field_of(v)}, grid);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const FitReport& report = fit.report()[i];
@@ -153,9 +148,9 @@ TYPED_TEST(GridEquality, ParticleWeightsAreMultiplicities) {
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(fit.values()(i, c), expected.values()(i, c), allowed<Scalar>(report)) << i;
   }
-  for (Scalar& weight : weights) weight *= Scalar(1e-12);  // a unit of mass changes nothing
+  for (double& weight : weights) weight *= 1e-120;  // a unit of mass changes nothing
   const auto light =
-      reconstruct_on_grid(points_of(once), {field_of(u)}, grid, {}, field_of(weights));
+      reconstruct_on_grid(points_of(once), {field_of(u)}, grid, {.particle_weights = weights});
   for (std::size_t i = 0; i < grid.size(); ++i)
     if (fit.report()[i].status != FitStatus::no_support) {
       EXPECT_NEAR(fit.values()(i, 0), light.values()(i, 0), allowed<Scalar>(fit.report()[i])) << i;

@@ -39,7 +39,7 @@ TYPED_TEST(GridCrowd, AMillionParticlesInACell) {
     u(p, 0) = Scalar(0.1);
     u(p, 1) = Scalar(0.3) * points[p][0] - Scalar(0.2);
   }
-  const GridOptions options{.degree = D == 3 ? 1 : 2, .weight = Weight::quadratic_b_spline};
+  const Options options{.degree = D == 3 ? 1 : 2, .weight = Weight::quadratic_b_spline};
   const BasicGridMoments<Scalar> moments(points_of(points), {field_of(u)}, grid, options);
   const auto fit = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
   std::size_t full = 0;
@@ -101,8 +101,8 @@ TYPED_TEST(GridExtremes, HugeConstantsStayConstants) {
   u.col(0).setConstant(huge);
   u.col(1).setConstant(1);
   for (int degree = 0; degree <= 2; ++degree) {
-    const auto fit = reconstruct_on_grid(points_of(points), {field_of(u)}, grid,
-                                         {.degree = degree, .gradients = true});
+    const auto fit = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, {.degree = degree},
+                                         {.gradients = Derivative::diffuse});
     for (std::size_t i = 0; i < grid.size(); ++i) {
       if (fit.report()[i].status == FitStatus::no_support) continue;
       EXPECT_NEAR(fit.values()(i, 0) / huge, 1, allowed<Scalar>(fit.report()[i]));
@@ -130,13 +130,14 @@ TYPED_TEST(GridExtremes, ParticleWeightsHaveAnyUnit) {
   const auto grid = uneven_grid<Scalar, D>();
   const Matrix<Scalar> u = wave(points, 2);
   const auto with_unit = [&](double unit) {
-    std::vector<Scalar> weights;
+    std::vector<double> weights;
     for (std::size_t p = 0; p < points.size(); ++p)
-      weights.push_back(static_cast<Scalar>(unit * static_cast<double>(1 + p % 4)));
-    return reconstruct_on_grid(points_of(points), {field_of(u)}, grid, {}, field_of(weights));
+      weights.push_back(unit * static_cast<double>(1 + p % 4));
+    return reconstruct_on_grid(points_of(points), {field_of(u)}, grid,
+                               {.particle_weights = weights});
   };
   const auto fit = with_unit(1);
-  for (const double unit : {1e-37, 1e-20, 1e20, 8e37}) {
+  for (const double unit : {1e-300, 1e-37, 1e20, 8e37, 4e307}) {
     const auto other = with_unit(unit);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       ASSERT_EQ(fit.report()[i].kept, other.report()[i].kept);
@@ -160,8 +161,8 @@ TEST(GridWeights, BadOnesAreErrors) {
   for (const InstructionSet set : available_instruction_sets())
     for (const WeightForm form : {WeightForm::tensor_product, WeightForm::radial})
       for (const double bad : {-1e-3, std::nan(""), HUGE_VAL}) {
-        GridOptions options{.weight = Broken{bad}, .form = form, .support = {0.4, 0.4, 0}};
-        options.instruction_set = set;
+        const Options options{
+            .weight = Broken{bad}, .form = form, .neighbours = Radius{0.4}, .instruction_set = set};
         EXPECT_THAT(message_of([&] {
                       reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
                     }),

@@ -47,19 +47,17 @@ StructuredGrid<Scalar> uneven_grid() {
   return grid;
 }
 
-// The supports that GridOptions asks for, as the options of reconstruct().
+// The same choices for lists, spelled out: supports of so many spacings, where no rule says other
+// ones, as lengths along the axes.
 template <class Scalar>
-Options equivalent(const GridOptions& options, const StructuredGrid<Scalar>& grid,
-                   double spacings) {
-  Options same{.degree = options.degree,
-               .weight = options.weight,
-               .form = options.form,
-               .neighbours = Radius{1},
-               .solver = Solver::moment_matrix};
+Options equivalent(const Options& options, const StructuredGrid<Scalar>& grid, double spacings) {
+  Options same = options;
+  same.form = options.form.value_or(WeightForm::tensor_product);
+  same.solver = options.solver.value_or(Solver::moment_matrix);
+  same.neighbours = Radius{1};
   for (int d = 0; d < grid.dimension; ++d)
-    same.stretch[d] = options.support[d] > 0 ? options.support[d]
-                                             : spacings * static_cast<double>(grid.spacing[d]);
-  same.tolerances = options.tolerances;
+    same.stretch[d] *= options.neighbours ? std::get<Radius>(*options.neighbours).radius
+                                          : spacings * static_cast<double>(grid.spacing[d]);
   return same;
 }
 

@@ -72,12 +72,15 @@ TYPED_TEST(Grid, TheSameBitsForAnyNumberOfThreads) {
     grid.spacing[d] = 1 / static_cast<Scalar>(grid.counts[d] - 1);
   }
   for (const Weight weight : {Weight::cubic_b_spline, Weight::quadratic_b_spline}) {
-    GridOptions options{.weight = weight, .gradients = true, .threads = 1};
-    const auto one = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
+    Options options{.weight = weight, .threads = 1};
+    const GridApply with_gradients{.gradients = Derivative::diffuse};
+    const auto one =
+        reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options, with_gradients);
     const BasicGridMoments<Scalar> moments(points_of(points), {field_of(u)}, grid, options);
     for (const int threads : {2, 3, 7}) {
       options.threads = threads;
-      const auto many = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
+      const auto many =
+          reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options, with_gradients);
       EXPECT_TRUE(same_bits<Scalar>(one.values(), many.values())) << threads;
       EXPECT_TRUE(same_bits<Scalar>(one.gradients(), many.gradients())) << threads;
       for (std::size_t i = 0; i < grid.size(); ++i) ASSERT_EQ(one.report()[i], many.report()[i]);
@@ -96,8 +99,7 @@ TYPED_TEST(Grid, InstructionSetsAgree) {
   const auto grid = uneven_grid<Scalar, D>();
   for (const WeightForm form : {WeightForm::tensor_product, WeightForm::radial})
     for (int degree = 0; degree <= 2; ++degree) {
-      GridOptions options{
-          .degree = degree, .form = form, .instruction_set = InstructionSet::generic};
+      Options options{.degree = degree, .form = form, .instruction_set = InstructionSet::generic};
       const auto generic = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
       for (const InstructionSet set : available_instruction_sets()) {
         options.instruction_set = set;
@@ -122,8 +124,10 @@ TYPED_TEST(Grid, MomentsAreAdditive) {
   const Matrix<Scalar> u = wave(points, 3);
   const auto grid = uneven_grid<Scalar, D>();
   for (int degree = 0; degree <= 2; ++degree) {
-    const GridOptions options{.degree = degree, .gradients = true};
-    const auto whole = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
+    const Options options{.degree = degree};
+    const GridApply with_gradients{.gradients = Derivative::diffuse};
+    const auto whole =
+        reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options, with_gradients);
     const std::size_t half = points.size() / 3;
     const PointList<Scalar, D> first(points.begin(), points.begin() + half),
         second(points.begin() + half, points.end());
@@ -131,7 +135,7 @@ TYPED_TEST(Grid, MomentsAreAdditive) {
     BasicGridMoments<Scalar> moments(points_of(first), {field_of(u1)}, grid, options);
     EXPECT_EQ(moments.values().size(), grid.size() * static_cast<std::size_t>(moments.per_node()));
     moments += BasicGridMoments<Scalar>(points_of(second), {field_of(u2)}, grid, options);
-    const auto fit = moments.solve();
+    const auto fit = moments.solve(with_gradients);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const FitReport &report = fit.report()[i], &other = whole.report()[i];
       if (report.solver != other.solver || report.degree != other.degree) {
@@ -185,7 +189,7 @@ TYPED_TEST(Grid, AllParticlesInOneCellOrOnBordersOrOutside) {
     const Matrix<Scalar> u = wave(points, 2);
     for (const Weight weight :
          {Weight::linear_b_spline, Weight::quadratic_b_spline, Weight::cubic_b_spline}) {
-      const GridOptions options{.weight = weight};
+      const Options options{.weight = weight};
       const auto fit = reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options);
       expect_equal(fit, points, u, grid,
                    equivalent(options, grid, (static_cast<int>(weight) + 2) / 2.0),
@@ -223,10 +227,10 @@ TEST(GridInput, BadInputIsNamed) {
   std::vector<double> u(100, 1.0), weights(100, 1.0);
   std::vector<std::array<double, 2>> v(100, {1, 2});
   const StructuredGrid<double> grid{.dimension = 2, .spacing = {0.2, 0.2, 1}, .counts = {6, 6, 1}};
-  const auto run = [&](GridOptions options = {}) {
+  const auto run = [&](Options options = {}) {
+    options.particle_weights = weights;
     return message_of([&] {
-      reconstruct_on_grid(points_of(points), {field_of(u), field_of(v)}, grid, options,
-                          field_of(weights));
+      reconstruct_on_grid(points_of(points), {field_of(u), field_of(v)}, grid, options);
     });
   };
   EXPECT_THAT(run(), HasSubstr("no InvalidArgument"));
@@ -237,18 +241,21 @@ TEST(GridInput, BadInputIsNamed) {
   points[3][0] = std::numeric_limits<double>::infinity();
   EXPECT_THAT(run(), HasSubstr("coordinate 0 of point 3"));
   points[3][0] = 0.5;
-  weights[7] = -1;
-  EXPECT_THAT(run(), HasSubstr("weight of particle 7 = -1"));
+  for (const double bad : {-1.0, 0.0}) {
+    weights[7] = bad;
+    EXPECT_THAT(run(), HasSubstr("particle_weights of particle 7 = "));
+  }
   weights[7] = 1;
-  EXPECT_THAT(run({.degree = 3}), HasSubstr("degree = 3"));
-  EXPECT_THAT(run({.weight = Weight::gaussian}), HasSubstr("support"));
-  EXPECT_THAT(run({.support = {-1, 1, 1}}), HasSubstr("support"));
-  EXPECT_THAT(run({.support = {5, 1, 1}}), HasSubstr("at most 8"));
+  EXPECT_THAT(run({.degree = 5}), HasSubstr("degree = 5"));
+  EXPECT_THAT(run({.weight = Weight::gaussian}), HasSubstr("no natural support"));
+  EXPECT_THAT(run({.neighbours = Radius{-1}}), HasSubstr("radius = -1"));
+  EXPECT_THAT(run({.neighbours = Radius{std::nan("")}}), HasSubstr("radius = "));
+  EXPECT_THAT(run({.stretch = {0, 1, 1}}), HasSubstr("stretch = 0"));
   u.pop_back();
   EXPECT_THAT(run(), HasSubstr("size of the field"));
   u.push_back(1);
   weights.pop_back();
-  EXPECT_THAT(run(), HasSubstr("size of the particle weights"));
+  EXPECT_THAT(run(), HasSubstr("number of particle_weights = 99"));
   weights.push_back(1);
   const auto points3 = random_points<double, 3>(100, 1);
   EXPECT_THAT(message_of([&] { reconstruct_on_grid(points_of(points3), {field_of(u)}, grid); }),

@@ -20,7 +20,8 @@ TEST(GridThinClouds, NoSlopeAcrossASheet) {
           {random.uniform(), random.uniform(), 0.25 + thickness * random.uniform(-1, 1)});
       u.push_back(points.back()[0] + 1e-3 * random.uniform(-1, 1));
     }
-    const GridOptions options{.degree = 1, .support = {0.5, 0.5, 0.5}, .gradients = true};
+    const Options options{.degree = 1, .neighbours = Radius{0.5}};
+    const GridApply with_gradients{.gradients = Derivative::diffuse};
     const auto check = [&](const GridReconstruction& fit, const std::string& where) {
       for (std::size_t i = 0; i < grid.size(); ++i) {
         if (grid.index(i)[2] != 1) continue;
@@ -35,11 +36,12 @@ TEST(GridThinClouds, NoSlopeAcrossASheet) {
         EXPECT_NEAR(fit.gradients()(i, 2), 0, 20 * thickness) << where;
       }
     };
-    check(reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options),
+    check(reconstruct_on_grid(points_of(points), {field_of(u)}, grid, options, with_gradients),
           "thickness " + std::to_string(thickness));
     // Without the particles only what the moments still know: the thickest of the three.
     if (thickness > 1e-4)
-      check(GridMoments(points_of(points), {field_of(u)}, grid, options).solve(), "from moments");
+      check(GridMoments(points_of(points), {field_of(u)}, grid, options).solve(with_gradients),
+            "from moments");
   }
 }
 

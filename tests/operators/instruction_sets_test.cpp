@@ -27,7 +27,7 @@ TYPED_TEST(InstructionSets, ReproduceOnEveryCloud) {
     for (const auto& cloud : hostile_clouds<Scalar, D>()) {
       const auto targets = hostile_targets<Scalar, D>(cloud.points);
       for (const Solver solver : solvers)
-        for (const NeighbourRule& rule : {NeighbourRule(Radius{0.3}), NeighbourRule(Nearest{0})})
+        for (const NeighbourRule& rule : {NeighbourRule(Radius{0.3}), NeighbourRule(Nearest{9})})
           for (int degree = 0; degree <= 4; ++degree) {
             Options options{.degree = degree, .neighbours = rule, .solver = solver};
             options.instruction_set = set;

@@ -286,12 +286,50 @@ TEST(Sources, NeighboursAndOwnLists) {
 TEST(Sources, NodesOfAGridAreTargets) {
   const auto points = random_points<double, 2>(500, 1);
   const Sources sources(points_of(points));
-  const StructuredGrid<double> grid{2, {0.1, 0.2}, {0.05, 0.02}, {15, 30}};
+  StructuredGrid<double> grid{2, {0.1, 0.2}, {0.05, 0.05}, {15, 12}};
+  const auto check = [&](const Options& options, const Options& said) {
+    const auto nodes = grid.nodes();
+    const Reconstruction by_hand = reconstruct(sources, nodes.view(), said);
+    expect_same_bits(reconstruct(sources, grid, options), by_hand, 500, "Sources");
+    expect_same_bits(reconstruct(points_of(points), grid, options), by_hand, 500, "points");
+  };
+  // What is left empty is what grids need; what is said is what it is for points.
+  check({.degree = 2}, {.degree = 2,
+                        .form = WeightForm::tensor_product,
+                        .neighbours = Radius{0.1},
+                        .solver = Solver::moment_matrix});
+  const Options said{.degree = 3,
+                     .form = WeightForm::radial,
+                     .neighbours = Nearest{25},
+                     .solver = Solver::gram_schmidt};
+  check(said, said);
+  // Supports of two spacings along each axis.
+  grid.spacing[1] = 0.02;
   const auto nodes = grid.nodes();
-  const Options options{.degree = 2};
-  const Reconstruction by_hand = reconstruct(sources, nodes.view(), options);
-  expect_same_bits(reconstruct(sources, grid, options), by_hand, 500, "Sources");
-  expect_same_bits(reconstruct(points_of(points), grid, options), by_hand, 500, "points");
+  const Reconstruction fit = reconstruct(points_of(points), grid, {.degree = 0});
+  for (std::size_t t = 0; t < grid.size(); ++t) {
+    std::size_t inside = 0;
+    for (const auto& p : points)
+      inside +=
+          std::abs(p[0] - nodes.view()(t, 0)) < 0.1 && std::abs(p[1] - nodes.view()(t, 1)) < 0.04;
+    EXPECT_EQ(fit.report()[t].neighbours, inside) << t;
+  }
+  EXPECT_THAT(message_of([&] { reconstruct(sources, grid); }),
+              HasSubstr("neighbours = empty: must be said for Sources on a grid whose spacings"));
+}
+
+TEST(Reconstruction, IsOfNothingByDefault) {
+  Reconstruction fit;
+  EXPECT_EQ(fit.report().size(), 0u);
+  EXPECT_EQ(fit.values().rows(), 0u);
+  EXPECT_EQ(fit.neighbours().targets(), 0u);
+  const std::vector<double> none;
+  EXPECT_EQ(fit.apply(field_of(none)).size(), 0);
+  EXPECT_EQ(fit.apply_transpose(field_of(none)).size(), 0);
+  EXPECT_EQ(fit.gradient().rows(), 0u);
+  const auto points = random_points<double, 2>(500, 1);
+  fit = reconstruct(points_of(points), points_of(points));
+  EXPECT_EQ(fit.report().size(), 500u);
 }
 
 TEST(Sources, AnyIntegerCountsNeighbours) {

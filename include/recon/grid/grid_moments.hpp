@@ -20,10 +20,13 @@
 // reconstruct_on_grid(), which would keep the directions that the particles do resolve. Elsewhere
 // both agree to rounding.
 //
+// m_p are the particle weights as they are given, whatever their unit.
+//
 // Memory: per_node() numbers a node, for example 23 for a velocity in 3-D at degree 1. Throws
-// InvalidArgument as reconstruct_on_grid() does, and also for a limit (the range of the data
-// is not among the moments) and for the addition of moments that differ in their grid,
-// options or components.
+// InvalidArgument as reconstruct_on_grid() does, and also for all that goes by lists there (naming
+// the option: a degree above 2, a periodic domain, exact gradients), for a limit (the range of the
+// data is not among the moments) and for the addition of moments that differ in their grid, options
+// or components.
 #pragma once
 
 #include <memory>
@@ -40,11 +43,10 @@ template <class Scalar>
 class BasicGridMoments {
  public:
   BasicGridMoments(const PointsView<Scalar>& points, const std::vector<FieldView<Scalar>>& fields,
-                   const StructuredGrid<Scalar>& grid, const GridOptions& options = {},
-                   const FieldView<Scalar>& particle_weights = {});
+                   const StructuredGrid<Scalar>& grid, const Options& options = {});
 
   BasicGridMoments& operator+=(const BasicGridMoments& other);
-  BasicGridReconstruction<Scalar> solve() const;
+  BasicGridReconstruction<Scalar> solve(const GridApply& apply = {}) const;
 
   int per_node() const;
   // The moments of all nodes, one node after another, per_node() numbers for each.

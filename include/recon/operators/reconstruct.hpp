@@ -65,6 +65,9 @@ class BasicReconstruction {
  public:
   using Matrix = typename CsrOperator<Scalar>::Matrix;
 
+  // Of no particles and no targets, until one is assigned.
+  BasicReconstruction();
+
   // Prefer reconstruct(). Throws InvalidArgument for bad options, coordinates that are not finite,
   // and dimensions that differ.
   BasicReconstruction(const PointsView<Scalar>& points, const PointsView<Scalar>& targets,
@@ -82,6 +85,13 @@ class BasicReconstruction {
                       const Options& options);
   BasicReconstruction(const BasicSources<Scalar>& sources, const PointsView<Scalar>& targets,
                       NeighbourList<Scalar> neighbours, const Options& options);
+
+  // At the nodes of a grid. On one whose spacings differ, Sources want a rule for the neighbours:
+  // InvalidArgument where it is left empty.
+  BasicReconstruction(const PointsView<Scalar>& points, const StructuredGrid<Scalar>& grid,
+                      const Options& options);
+  BasicReconstruction(const BasicSources<Scalar>& sources, const StructuredGrid<Scalar>& grid,
+                      const Options& options);
 
   // The same for other targets, and for the present positions of the Sources, into the memory that
   // there is; with another rule or list for the neighbours if one is given. The result equals that
@@ -211,22 +221,24 @@ inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<flo
   return {sources, targets, std::move(neighbours), options};
 }
 
-// At the nodes of a grid, node by node as StructuredGrid numbers them.
+// At the nodes of a grid, node by node as StructuredGrid numbers them: what options leave empty is
+// what grids need (shape/options.hpp). apply() gives the values of reconstruct_on_grid() with the
+// same options, to rounding; this has its operators and their transposes as well.
 inline Reconstruction reconstruct(const Sources& sources, const StructuredGrid<double>& grid,
                                   const Options& options = {}) {
-  return {sources, grid.nodes().view(), options};
+  return {sources, grid, options};
 }
 inline ReconstructionF reconstruct(const SourcesF& sources, const StructuredGrid<float>& grid,
                                    const Options& options = {}) {
-  return {sources, grid.nodes().view(), options};
+  return {sources, grid, options};
 }
 inline Reconstruction reconstruct(const PointsView<double>& points,
                                   const StructuredGrid<double>& grid, const Options& options = {}) {
-  return {points, grid.nodes().view(), options};
+  return {points, grid, options};
 }
 inline ReconstructionF reconstruct(const PointsView<float>& points,
                                    const StructuredGrid<float>& grid, const Options& options = {}) {
-  return {points, grid.nodes().view(), options};
+  return {points, grid, options};
 }
 
 }  // namespace recon

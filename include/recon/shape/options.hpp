@@ -1,8 +1,19 @@
-// All choices of a reconstruction, with defaults that work.
+// All choices of a reconstruction, with defaults that work: one set for lists of targets and for
+// grids.
+//
+// What is left empty becomes what the targets need:
+//                points                                 nodes of a StructuredGrid
+//   form         radial                                 tensor_product
+//   neighbours   the nearest 2 * terms + 1 particles    the natural support of the B-spline
+//   solver       gram_schmidt                           moment_matrix; for degree > 2 gram_schmidt
+// The natural support of the B-spline of degree P is (P + 1) / 2 spacings of the grid along each
+// axis, times `stretch`: weights are then the cardinal splines of the material point method
+// (Steffen, Kirby, Berzins 2008), which sum to one over the grid.
 #pragma once
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "recon/core/instruction_set.hpp"
@@ -11,6 +22,7 @@
 #include "recon/neighbourhood/find_neighbours.hpp"
 #include "recon/neighbourhood/sources.hpp"
 #include "recon/points/domain.hpp"
+#include "recon/points/structured_grid.hpp"
 #include "recon/weights/weight.hpp"
 
 namespace recon {
@@ -35,18 +47,21 @@ struct Options {
   int degree = 1;
   // w(q), q = |x - x_p| / rho; an enumerator or any object that is a RadialWeight.
   WeightFunction weight = Weight::cubic_b_spline;
-  WeightForm form = WeightForm::radial;
+  // radial: the support is a ball; tensor_product: a cube. With `stretch` ellipsoids and boxes.
+  std::optional<WeightForm> form{};
   // m_p, one number for each particle: see SourcesOptions, whose members this, `stretch` and
   // `domain` are. They belong to the particles: calls that take Sources have them from there, and
   // throw InvalidArgument where they are said here.
   std::span<const double> particle_weights{};
   // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The
-  // default is the nearest twice as many particles as there are basis terms, plus one. The support
-  // of Nearest moves with the k-th neighbour, and exact gradients with it; all others, and those of
-  // a list of your own unless it says otherwise, stand still (NeighbourList::support_factor).
-  NeighbourRule neighbours = Nearest{0};
-  Solver solver = Solver::gram_schmidt;
+  // support of Nearest moves with the k-th neighbour, and exact gradients with it; all others, and
+  // those of a list of your own unless it says otherwise, stand still
+  // (NeighbourList::support_factor).
+  std::optional<NeighbourRule> neighbours{};
+  std::optional<Solver> solver{};
 
+  // Along axis d supports are rho * stretch[d]: Radius{1} and stretch {a, b, c} are supports of the
+  // half axes a, b, c, lengths.
   std::array<double, max_dimension> stretch{1, 1, 1};
   PeriodicDomain<double> domain{};
   SearchMethod search = SearchMethod::automatic;
@@ -73,9 +88,22 @@ struct Options {
 
   SourcesOptions sources() const { return {domain, stretch, particle_weights, threads}; }
 
+  // The same with nothing left empty, for targets that are points in so many dimensions, and for
+  // the nodes of a grid. On a grid whose spacings differ the natural supports do too: they are said
+  // through `stretch`. Throws InvalidArgument as validate() does, for a bad grid, and on a grid
+  // without a rule for weights that are no B-splines.
+  Options for_points(int dimension) const;
+  template <class Scalar>
+  Options for_grid(const StructuredGrid<Scalar>& grid) const;
+
   // Throws InvalidArgument for a value outside its range. Rules about neighbours are checked when
   // they are searched, the number of particle weights when the particles are known.
   void validate() const;
+  // Throws InvalidArgument where something is said that belongs to Sources.
+  void validate_with_sources() const;
 };
+
+extern template Options Options::for_grid(const StructuredGrid<float>&) const;
+extern template Options Options::for_grid(const StructuredGrid<double>&) const;
 
 }  // namespace recon

@@ -316,4 +316,8 @@ class WeightFunction {
   std::optional<Weight> named_;
 };
 
+// The support of the cardinal B-spline of degree P in spacings of its grid, (P + 1) / 2; 0 for
+// weights that are no B-splines.
+double natural_support(const WeightFunction& weight);
+
 }  // namespace recon

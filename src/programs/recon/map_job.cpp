@@ -176,7 +176,7 @@ namespace {
 
 // The radius of kernel sums, where it is the same at all targets.
 std::optional<double> sum_radius(const FitOptions& fit) {
-  const auto* rule = std::get_if<Radius>(&fit.neighbours);
+  const auto* rule = std::get_if<Radius>(&*fit.neighbours);
   return rule == nullptr ? fit.sum_radius : rule->radius;
 }
 

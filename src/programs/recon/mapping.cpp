@@ -97,7 +97,7 @@ class Mapper {
     add_reports(mapped.fields, reports_, limited_);
     limited_.total();
     mapped.limited = std::move(limited_);
-    mapped.reports = FitReports(std::move(reports_), options_.solver);
+    mapped.reports = FitReports(std::move(reports_), *options_.solver);
     const FitSummary& summary = mapped.reports.summary();
     mapped.values = columns_.size() * (summary.targets - summary.no_support - summary.too_far);
     return mapped;
@@ -124,7 +124,7 @@ class Mapper {
   void add_sums(const PointsView<double>& targets, const Reconstruction& fit) {
     std::vector<double> radii(targets.size());
     for (std::size_t t = 0; t < radii.size(); ++t) radii[t] = fit.support(t);
-    KernelOptions how{.weight = options_.weight, .form = options_.form, .support = Radii{radii}};
+    KernelOptions how{.weight = options_.weight, .form = *options_.form, .support = Radii{radii}};
     if (options_.sum_radius) how.support = Radius{*options_.sum_radius};
     how.threads = options_.threads;
     const CsrOperator<double> kernels = kernel_operator(sources_, targets, how);
