@@ -30,6 +30,7 @@ class ParticleFit {
     const LocalCloud<Scalar, D> cloud = stencil_.cloud();
     count_ = cloud.size;
     FitReport& report = fits_.reports[node] = solve_.fit(cloud);
+    report.hessian_rank = 0;
     if (report.rank == 0) return;
     phi_.resize(static_cast<std::size_t>(cloud.size) * (1 + D));
     solve_.shape_functions(cloud,

@@ -39,6 +39,7 @@ RowSolver<Scalar>::RowSolver(const GridPlan<Scalar>& plan, const LaneLayout& lan
       out_(static_cast<std::size_t>(lanes.groups * lanes.lanes) * out_size_) {
   full_.solver = Solver::moment_matrix;
   with_shape(plan, [&](auto d, auto r) { detail::report_full<Monomials<d, r>>(full_); });
+  full_.hessian_rank = 0;
 }
 
 template <class Scalar>

@@ -211,25 +211,35 @@ void FitProblem<Scalar>::fit_list(const PointCloud<Scalar>& at, const NeighbourL
 }
 
 template <class Scalar>
-void FitProblem<Scalar>::derivatives(Derivative kind, Array<Scalar>* first,
-                                     Array<Scalar>* second) const {
+template <class Rows>
+void FitProblem<Scalar>::evaluate(const Rows& rows) const {
   const NeighbourList<Scalar>& list = pattern_->neighbours;
-  const int firsts = dimension(), seconds = dimension() * (dimension() + 1) / 2;
-  if (first) first->resize(list.indices.size() * static_cast<std::size_t>(firsts));
-  if (second) second->resize(list.indices.size() * static_cast<std::size_t>(seconds));
   Array<ParticleIndex> places(list.indices.size());
   cloud_->to_places(list.indices, places.data(), options_.threads);
   NeighbourListView<Scalar> in_places = list;
   in_places.indices = places.data();
   const ShapeProblem<Scalar> problem = shape_problem(targets_, in_places);
-  recon::parallel_blocks(targets_.size(), targets_per_block, options_.threads,
-                         [&](std::size_t begin, std::size_t end) {
-                           ShapeRows<Scalar> rows;
-                           if (first) rows.gradient = first->data();
-                           if (second) rows.hessian = second->data();
-                           rows.kind = kind;
-                           kernel_->evaluate(problem, begin, end, rows);
-                         });
+  recon::parallel_blocks(
+      targets_.size(), targets_per_block, options_.threads,
+      [&](std::size_t begin, std::size_t end) { kernel_->evaluate(problem, begin, end, rows); });
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::derivatives(Derivative kind, Array<Scalar>* first,
+                                     Array<Scalar>* second) const {
+  const NeighbourList<Scalar>& list = pattern_->neighbours;
+  const int firsts = dimension(), seconds = dimension() * (dimension() + 1) / 2;
+  ShapeRows<Scalar> rows;
+  rows.kind = kind;
+  if (first) {
+    first->resize(list.indices.size() * static_cast<std::size_t>(firsts));
+    rows.gradient = first->data();
+  }
+  if (second) {
+    second->resize(list.indices.size() * static_cast<std::size_t>(seconds));
+    rows.hessian = second->data();
+  }
+  evaluate(rows);
   // The value of the nearest particle is constant about the target.
   const auto flatten = [&](Array<Scalar>* values, int blocks) {
     for (const std::uint32_t t : nearest_rows_)
@@ -239,6 +249,43 @@ void FitProblem<Scalar>::derivatives(Derivative kind, Array<Scalar>* first,
   };
   flatten(first, firsts);
   flatten(second, seconds);
+}
+
+template <class Scalar>
+Array<Scalar> FitProblem<Scalar>::functionals(std::span<const OwnFunctional::Action> asked) const {
+  using Powers = OwnFunctional::Powers;
+  const NeighbourList<Scalar>& list = pattern_->neighbours;
+  const auto act = [&](std::size_t row, const Powers& powers, std::span<double> out) {
+    const std::size_t target = pattern_->target(row);
+    std::fill(out.begin(), out.end(), std::numeric_limits<double>::quiet_NaN());
+    auto rest = out;
+    for (const OwnFunctional::Action& functional : asked) {
+      const auto numbers = static_cast<std::size_t>(functional.numbers);
+      functional.act(target, powers, rest.first(numbers));
+      rest = rest.subspan(numbers);
+    }
+    for (const double number : out)
+      if (!std::isfinite(number))
+        throw_invalid("functional of the monomial with powers (" + std::to_string(powers[0]) +
+                          ", " + std::to_string(powers[1]) + ", " + std::to_string(powers[2]) +
+                          ") at target " + std::to_string(target),
+                      number, "must be finite");
+  };
+  FunctionalRows<Scalar> rows;
+  for (const OwnFunctional::Action& functional : asked) rows.numbers += functional.numbers;
+  Array<Scalar> values(list.indices.size() * static_cast<std::size_t>(rows.numbers));
+  rows.value = values.data();
+  rows.action = act;
+  evaluate(rows);
+  // The value of the nearest particle is constant about the target.
+  std::vector<double> on_constant(rows.numbers);
+  for (const std::uint32_t t : nearest_rows_) {
+    act(t, Powers{}, on_constant);
+    auto to = values.begin() + list.offsets[t] * rows.numbers;
+    std::fill(to, values.begin() + list.offsets[t + 1] * rows.numbers, Scalar(0));
+    for (const double number : on_constant) *to++ = static_cast<Scalar>(number);
+  }
+  return values;
 }
 
 template class FitProblem<float>;

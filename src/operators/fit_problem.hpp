@@ -7,11 +7,13 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "neighbourhood/cloud.hpp"
 #include "recon/operators/csr_operator.hpp"
 #include "recon/operators/fit_summary.hpp"
+#include "recon/operators/functional.hpp"
 #include "recon/shape/options.hpp"
 #include "recon/shape/shape_kernel.hpp"
 
@@ -51,6 +53,10 @@ class FitProblem {
   // of the pattern; null where they are not wanted.
   void derivatives(Derivative kind, Array<Scalar>* first, Array<Scalar>* second) const;
 
+  // The numbers of these functionals of the local polynomial, side by side for each entry of the
+  // pattern.
+  Array<Scalar> functionals(std::span<const OwnFunctional::Action> asked) const;
+
  private:
   void fit_taken();
   void abandon();
@@ -64,6 +70,9 @@ class FitProblem {
   NeighbourRule ordered_rule(std::vector<double>& radii) const;
   ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
                                      const NeighbourListView<Scalar>& list) const;
+  // Evaluates rows of the kernel at the targets of the pattern.
+  template <class Rows>
+  void evaluate(const Rows& rows) const;
   // Fits the targets of a list; `values` per entry and `reports` per target.
   void fit_list(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
                 const Progress& progress, Array<Scalar>& values,

@@ -208,14 +208,24 @@ class Product {
   void rows(std::size_t begin, std::size_t end) const {
     switch (blocks_) {
       case 1:
-        return rows_of<1>(begin, end);
+        rows_of<1>(begin, end);
+        break;
       case 2:
-        return rows_of<2>(begin, end);
+        rows_of<2>(begin, end);
+        break;
       case 3:
-        return rows_of<3>(begin, end);
+        rows_of<3>(begin, end);
+        break;
+      case 6:
+        rows_of<6>(begin, end);
+        break;
       default:
-        return rows_of<6>(begin, end);
+        rows_of_any(begin, end);
     }
+    const auto& empty = pattern_.empty_rows;
+    for (auto row = std::lower_bound(empty.begin(), empty.end(), begin);
+         row != empty.end() && *row < end; ++row)
+      for (int i = 0; i < components_ * blocks_; ++i) out_(pattern_.target(*row), i) = fill_;
   }
 
  private:
@@ -231,10 +241,20 @@ class Product {
       narrow_rows<B, 3>(begin, end);
     else
       wide_rows<B, SideBySide<Scalar>>(begin, end);
-    const auto& empty = pattern_.empty_rows;
-    for (auto row = std::lower_bound(empty.begin(), empty.end(), begin);
-         row != empty.end() && *row < end; ++row)
-      for (int i = 0; i < components_ * B; ++i) out_(pattern_.target(*row), i) = fill_;
+  }
+
+  // Of any number of blocks: one sum after the other.
+  void rows_of_any(std::size_t begin, std::size_t end) const {
+    std::vector<Scalar> sums(static_cast<std::size_t>(components_ * blocks_));
+    for (std::size_t row = begin; row < end; ++row) {
+      const std::int64_t first = offsets_[row], last = offsets_[row + 1];
+      for (int i = 0; i < components_ * blocks_; ++i)
+        sums[i] = sum_of<Scalar>(last - first, [&](std::int64_t e) {
+          return values_[(first + e) * blocks_ + i % blocks_] *
+                 field_(index_[first + e], i / blocks_);
+        });
+      finish(row, sums.data(), components_ * blocks_);
+    }
   }
 
   template <int B, int C>

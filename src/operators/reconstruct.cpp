@@ -38,11 +38,6 @@ Options options_of_sources(const StructuredGrid<Scalar>& grid, const Options& op
   return all;
 }
 
-// The place of d2/dx_a dx_b, a <= b, in xx, xy, xz, yy, yz, zz.
-int second_derivative(int a, int b, int dimension) {
-  return a * dimension - a * (a - 1) / 2 + b - a;
-}
-
 }  // namespace
 
 template <class Scalar>
@@ -142,92 +137,6 @@ void BasicReconstruction<Scalar>::update(const PointsView<Scalar>& targets,
 template <class Scalar>
 Scalar BasicReconstruction<Scalar>::fill() const {
   return static_cast<Scalar>(problem_->options().fill_value);
-}
-
-template <class Scalar>
-std::vector<CsrOperator<Scalar>> BasicReconstruction<Scalar>::operators_of(
-    std::span<const Functional> functionals) const {
-  using Kind = Functional::Kind;
-  const auto& pattern = problem_->pattern();
-  pattern->require_current();
-  const int D = dimension();
-  // The axes of a partial derivative, ascending.
-  const auto axes_of = [&](const Functional& f) {
-    std::vector<int> axes;
-    for (int d = 0; d < max_dimension; ++d)
-      for (int n = 0; n < f.orders()[d]; ++n) axes.push_back(d);
-    require(axes.empty() || axes.back() < D, "axis of the partial derivative",
-            axes.empty() ? 0 : axes.back(), "must be an axis of the points");
-    return axes;
-  };
-  const auto order_of = [&](const Functional& f) {
-    return f.kind() == Kind::value      ? 0
-           : f.kind() == Kind::gradient ? 1
-           : f.kind() == Kind::partial  ? static_cast<int>(axes_of(f).size())
-                                        : 2;
-  };
-
-  bool first[2] = {false, false}, second = false;
-  for (const Functional& f : functionals) {
-    const int order = order_of(f);
-    if (order == 1) first[f.slopes() == Derivative::exact] = true;
-    second = second || order == 2;
-  }
-  Array<Scalar> slopes[2], curvature;
-  if (first[0] || first[1]) {
-    const bool exact = first[1];
-    problem_->derivatives(exact ? Derivative::exact : Derivative::diffuse, &slopes[exact],
-                          second ? &curvature : nullptr);
-    if (first[0] && first[1]) problem_->derivatives(Derivative::diffuse, &slopes[0], nullptr);
-  } else if (second) {
-    problem_->derivatives(Derivative::diffuse, nullptr, &curvature);
-  }
-
-  const std::size_t entries = pattern->neighbours.indices.size();
-  const int seconds = D * (D + 1) / 2;
-  const auto make = [&](Array<Scalar> values, int blocks) {
-    return CsrOperator<Scalar>(pattern, std::move(values), blocks, fill(),
-                               problem_->options().threads);
-  };
-  // The sum of some of the numbers of each entry.
-  const auto sum_of = [&](const Array<Scalar>& from, int blocks, const std::vector<int>& places) {
-    Array<Scalar> values(entries);
-    for (std::size_t e = 0; e < entries; ++e) {
-      values[e] = 0;
-      for (const int place : places)
-        values[e] += from[e * static_cast<std::size_t>(blocks) + place];
-    }
-    return make(std::move(values), 1);
-  };
-  // Moves the numbers out where no later functional needs them.
-  const auto take = [&](Array<Scalar>& values, std::size_t i) {
-    const Functional& f = functionals[i];
-    for (const Functional& later : functionals.subspan(i + 1))
-      if (order_of(later) == order_of(f) && (order_of(f) == 2 || later.slopes() == f.slopes()))
-        return values;
-    return std::move(values);
-  };
-  std::vector<CsrOperator<Scalar>> made;
-  for (std::size_t i = 0; i < functionals.size(); ++i) {
-    const Functional& f = functionals[i];
-    Array<Scalar>& slope = slopes[f.slopes() == Derivative::exact];
-    if (order_of(f) == 0) {
-      made.push_back(values_);
-    } else if (f.kind() == Kind::gradient) {
-      made.push_back(make(take(slope, i), D));
-    } else if (f.kind() == Kind::hessian) {
-      made.push_back(make(take(curvature, i), seconds));
-    } else if (f.kind() == Kind::laplacian) {
-      std::vector<int> places;
-      for (int d = 0; d < D; ++d) places.push_back(second_derivative(d, d, D));
-      made.push_back(sum_of(curvature, seconds, places));
-    } else if (const std::vector<int> axes = axes_of(f); axes.size() == 1) {
-      made.push_back(sum_of(slope, D, {axes[0]}));
-    } else {
-      made.push_back(sum_of(curvature, seconds, {second_derivative(axes[0], axes[1], D)}));
-    }
-  }
-  return made;
 }
 
 template <class Scalar>

@@ -43,14 +43,24 @@ class Kernel final : public ShapeKernel<Scalar> {
     }
   }
 
+  void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
+                const FunctionalRows<Scalar>& rows) const override {
+    const auto buffers = buffers_.lend([&] { return std::make_unique<Buffers>(choice_, lanes_); });
+    for (std::size_t i = begin; i < end; ++i) buffers->single.evaluate(problem, i, rows);
+  }
+
   void forget_buffers() const override { buffers_.clear(); }
 
  private:
+  using Powers = std::array<int, max_dimension>;
+
   // Treats one target after another.
   class Single {
    public:
     explicit Single(const ShapeChoice& choice)
-        : choice_(choice), solve_(choice.solver, choice.tolerances) {}
+        : choice_(choice),
+          solve_(choice.solver, choice.tolerances),
+          polynomial_(choice.tolerances) {}
 
     FitReport evaluate(const ShapeProblem<Scalar>& problem, std::size_t t,
                        const ShapeRows<Scalar>& rows) {
@@ -87,7 +97,50 @@ class Kernel final : public ShapeKernel<Scalar> {
       return report;
     }
 
+    void evaluate(const ShapeProblem<Scalar>& problem, std::size_t t,
+                  const FunctionalRows<Scalar>& rows) {
+      const auto numbers = static_cast<std::size_t>(rows.numbers);
+      Scalar* const values = rows.value + problem.neighbours.offsets[t] * rows.numbers;
+      std::fill_n(values, problem.neighbours.count(t) * rows.numbers, Scalar(0));
+      gather(problem, t, false);
+      const LocalCloud<Scalar, D> cloud = stencil_.cloud();
+      if (polynomial_.fit(cloud).rank == 0) return;
+
+      act(problem, t, rows);
+      values_.resize(static_cast<std::size_t>(cloud.size));
+      for (std::size_t i = 0; i < numbers; ++i) {
+        polynomial_.result().shape_functions_of(on_monomials_.data() + i * Jets::size,
+                                                values_.data());
+        for (int p = 0; p < cloud.size; ++p)
+          values[static_cast<std::size_t>(stencil_.place(p)) * numbers + i] = values_[p];
+      }
+    }
+
    private:
+    // Sets on_monomials_[i * Jets::size + a] to what functional i makes of monomial a in xi.
+    void act(const ShapeProblem<Scalar>& problem, std::size_t t,
+             const FunctionalRows<Scalar>& rows) {
+      const auto numbers = static_cast<std::size_t>(rows.numbers);
+      const double rho = static_cast<double>(problem.neighbours.support[t]);
+      on_monomials_.assign(numbers * Jets::size, Scalar(0));
+      action_.resize(numbers);
+      for (int a = 0; a < Basis::size; ++a) {
+        Powers powers{};
+        for (int d = 0; d < D; ++d) powers[d] = Basis::exponents[a][d];
+        rows.action(t, powers, action_);
+        for (std::size_t i = 0; i < numbers; ++i) {
+          double scaled = action_[i];
+          for (int d = 0; d < D; ++d)
+            for (int n = 0; n < powers[d]; ++n)
+              scaled *= static_cast<double>(problem.axis_scale[d]) / rho;
+          const Scalar on_monomial = static_cast<Scalar>(scaled);
+          require(is_finite(on_monomial), "functional of a monomial, in support radii", scaled,
+                  "must be finite and in the range of the precision");
+          on_monomials_[i * Jets::size + a] = on_monomial;
+        }
+      }
+    }
+
     void gather(const ShapeProblem<Scalar>& problem, std::size_t t, bool slopes) {
       const auto& list = problem.neighbours;
       const std::array<Scalar, D> x = problem.targets.template point<D>(t);
@@ -116,7 +169,11 @@ class Kernel final : public ShapeKernel<Scalar> {
     const ShapeChoice& choice_;
     Stencil<Scalar, D> stencil_;
     LocalSolve<Scalar, Basis> solve_;
-    std::vector<Scalar> values_;
+    // With all Taylor coefficients of the polynomials.
+    using Jets = Monomials<D, std::max(R, 2)>;
+    GramSchmidt<Scalar, Basis, Jets::degree> polynomial_;
+    std::vector<Scalar> values_, on_monomials_;
+    std::vector<double> action_;
   };
 
   // What a block of targets is worked on with.

@@ -166,6 +166,9 @@ class Lanes {
   std::array<int, lanes> count_{};
 };
 
+template <class T, class B>
+using GramSchmidtLanes = RegularGramSchmidt<T, B>;
+
 template <class Scalar, int D, template <class, class> class Fit>
 detail::LaneFunctions<Scalar> of_degree(int degree) {
   switch (degree) {
@@ -189,7 +192,7 @@ detail::LaneFunctions<Scalar> of_degree(int degree) {
 template <class Scalar, int D>
 detail::LaneFunctions<Scalar> lane_functions(int degree, Solver solver) {
   if (solver == Solver::moment_matrix) return of_degree<Scalar, D, MomentMatrix>(degree);
-  if (solver == Solver::gram_schmidt) return of_degree<Scalar, D, RegularGramSchmidt>(degree);
+  if (solver == Solver::gram_schmidt) return of_degree<Scalar, D, GramSchmidtLanes>(degree);
   return {};
 }
 

@@ -1,8 +1,7 @@
 #include "recon/shape/options.hpp"
 
-#include <string>
-
 #include <cmath>
+#include <string>
 
 #include "recon/basis/monomials.hpp"
 

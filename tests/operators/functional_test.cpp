@@ -204,7 +204,7 @@ TEST(FunctionalOperators, WithoutSupportHaveTheFillValue) {
 }
 
 TEST(FunctionalOperators, MistakesAreNamed) {
-  EXPECT_THAT(message_of([] { F::partial(2, 1); }), HasSubstr("must be at most 2"));
+  EXPECT_THAT(message_of([] { F::partial(3, 2); }), HasSubstr("must be at most 4"));
   EXPECT_THAT(message_of([] { F::partial(-1); }), HasSubstr("must not be negative"));
   const auto points = random_points<double, 2>(50, 1), others = random_points<double, 2>(50, 2);
   const auto line = random_points<double, 1>(50, 1);

@@ -94,6 +94,26 @@ struct Monomials {
     });
   }
 
+  // The coefficients of prod_d (forms[d] . xi)^e_d, a product of linear forms, of degree at most R.
+  template <class T>
+  static std::array<T, size> of_forms(const Exponents& e,
+                                      const std::array<std::array<T, D>, D>& forms) {
+    std::array<T, size> product{};
+    product[0] = T(1);
+    int k = 0;
+    for (int d = 0; d < D; ++d)
+      for (int i = 0; i < e[d]; ++i, ++k)
+        for (int j = begin(k); j < begin(k + 1); ++j) {
+          for (int axis = 0; axis < D; ++axis) {
+            Exponents up = exponents[j];
+            ++up[axis];
+            product[find(up)] += product[j] * forms[d][axis];
+          }
+          product[j] = T(0);
+        }
+    return product;
+  }
+
   // The Taylor coefficient of term j at xi = 0 with number a, where the coefficients are numbered
   // as the terms of degree <= 2.
   static constexpr double origin(int j, int a) { return j == a ? 1.0 : 0.0; }

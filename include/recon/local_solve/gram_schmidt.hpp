@@ -35,6 +35,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -67,10 +68,13 @@ double rotation_scale(const std::array<std::uint8_t, D>& exponents) {
 
 }  // namespace detail
 
-template <class T, Basis B>
+// jet_order: that of the Taylor coefficients which are kept (OrthonormalFit); other bases than
+// monomials have those up to 2.
+template <class T, Basis B, int jet_order = 2>
 class GramSchmidt {
  public:
   static constexpr int D = B::dimension;
+  static_assert(jet_order == 2 || detail::is_monomials<B>);
 
   explicit GramSchmidt(FitTolerances tolerances = {})
       : tolerances_(tolerances), regular_(tolerances) {}
@@ -100,20 +104,22 @@ class GramSchmidt {
     T amplification = T(sqrt(weight_sum_ * kept().christoffel()));
     if (amplification > limit) amplification = kept().absolute_sum();
     report.amplification = detail::to_float(amplification);
-    const int linear = regular || !detail::is_monomials<B> ? D : report.kept[1] - flat_;
-    kept().template resolve_gradient<B>(weight_sum_, tolerances_, linear, report);
+    const int linear =
+        regular || !detail::is_monomials<B> ? D : report.kept[1] - static_cast<int>(flat_);
+    kept().template resolve_gradient<B>(weight_sum_, tolerances_, linear, report,
+                                        std::span(flat_slopes_.data(), regular ? 0 : flat_));
     return report;
   }
 
-  const OrthonormalFit<T, D>& result() const { return regular_.result(); }
+  const OrthonormalFit<T, D, jet_order>& result() const { return regular_.result(); }
 
   void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
     kept().shape_functions(cloud, out);
   }
 
  private:
-  OrthonormalFit<T, D>& kept() { return regular_.result(); }
-  using Jet = typename OrthonormalFit<T, D>::Jet;
+  OrthonormalFit<T, D, jet_order>& kept() { return regular_.result(); }
+  using Jet = typename OrthonormalFit<T, D, jet_order>::Jet;
 
   static T dot(const T* a, const T* b, int n) {
     return detail::sum_of<T>(n, [&](int p) { return a[p] * b[p]; });
@@ -190,6 +196,10 @@ class GramSchmidt {
           const bool resolved = size[c] > drop * whole && size[c] > floor;
           if ((limited && !inside) || !resolved || kept().rank() >= n) continue;
           if (!keep_direction(block_column(c, n), block_jets_[c], size[c], n)) continue;
+          for (std::size_t f = 0; f < flat_; ++f) {
+            std::vector<T>& slope = flat_slopes_[f];
+            slope.push_back(-dot(removed, slope.data(), lower) / size[c]);
+          }
           ++report.kept[k];
           shortest = detail::smaller(size[c], shortest);
           smallest = detail::smaller(T((size[c] / whole) * (size[c] / whole)), smallest);
@@ -226,7 +236,9 @@ class GramSchmidt {
       if (weight_sum_ * norm2 <= limit2) continue;
       slopes_[i].fill(T(0));
       kept().flatten(1 + i);
-      ++flat_;
+      std::vector<T>& slope = flat_slopes_[flat_++];
+      slope.assign(kept().rank(), T(0));
+      slope[1 + i] = T(1);
     }
   }
 
@@ -283,22 +295,7 @@ class GramSchmidt {
   template <class Exponents>
   static Jet rotated_jet(const Exponents& exponents, int k,
                          const std::array<std::array<T, D>, D>& axes) {
-    Jet jet{};
-    std::array<int, 2> factor{};  // the factors of the monomial, for degrees 1 and 2
-    int factors = 0;
-    for (int d = 0; d < D; ++d)
-      for (int e = 0; e < exponents[d] && factors < 2; ++e) factor[factors++] = d;
-    if (k == 1)
-      for (int d = 0; d < D; ++d) jet[1 + d] = axes[factor[0]][d];
-    if (k == 2) {
-      int entry = 1 + D;
-      for (int a = 0; a < D; ++a)
-        for (int b = a; b < D; ++b, ++entry) {
-          jet[entry] = axes[factor[0]][a] * axes[factor[1]][b];
-          if (a != b) jet[entry] += axes[factor[0]][b] * axes[factor[1]][a];
-        }
-    }
-    return jet;
+    return k <= jet_order ? Monomials<D, jet_order>::of_forms(exponents, axes) : Jet{};
   }
 
   // One-sided Jacobi (Hestenes 1958): turns pairs of block columns until all are orthogonal; they
@@ -369,15 +366,17 @@ class GramSchmidt {
   }
 
   FitTolerances tolerances_;
-  RegularGramSchmidt<T, B> regular_;
+  RegularGramSchmidt<T, B, jet_order> regular_;
   T weight_sum_ = T(0);
   std::vector<T> block_;    // one degree's columns in the block path
   std::vector<T> removed_;  // their parts in the lower degrees, B::size numbers per column
   std::vector<Jet> block_jets_;
   // The axes of the block's coordinates as rows (the identity for the linear block); and the same
-  // with zeros for the `flat_` axes along which nothing is differentiated.
+  // with zeros for the `flat_` axes along which nothing is differentiated, but for the slopes of
+  // the kept columns, each in a unit of its own.
   std::array<std::array<T, D>, D> axes_{}, slopes_{};
-  int flat_ = 0;
+  std::size_t flat_ = 0;
+  std::array<std::vector<T>, D> flat_slopes_;
 };
 
 }  // namespace recon

@@ -140,6 +140,7 @@ void finish_report(FitReport& report) {
   report.rank = static_cast<std::uint8_t>(rank);
   report.degree = static_cast<std::int8_t>(degree);
   report.gradient_rank = B::degree >= 1 ? B::dimension : 0;
+  report.hessian_rank = rank > report.kept[0] + report.kept[1] ? report.gradient_rank : 0;
   report.status = degree == B::degree ? FitStatus::full
                   : degree >= 0       ? FitStatus::reduced
                                       : FitStatus::no_support;

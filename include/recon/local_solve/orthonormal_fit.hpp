@@ -3,12 +3,27 @@
 // Column u_j holds sqrt(w_p) P_j(xi_p) for a polynomial P_j, with u_i . u_j = delta_ij, so that the
 // moment matrix is the identity and
 //     phi_p = sqrt(w_p) sum_j P_j(0) u_j(p)                      (Tran et al. 2019, eq. 17).
-// Beside each column stand the Taylor coefficients of P_j at the target (its jet), from which all
-// derivatives follow. T may be a pack; entries with w_p = 0 are zero in all columns.
+// Beside each column stand the Taylor coefficients of P_j at the target up to an order (its jet),
+// numbered as the monomials up to that degree, from which all derivatives follow. T may be a pack;
+// entries with w_p = 0 are zero in all columns.
+//
+// Where the gradient is not resolved in all directions (gradient_resolution.hpp), the local
+// polynomial p is replaced by p(Q xi) with Q the projector onto the directions in which it is. What
+// is left of the derivatives of an order k >= 2 may still be noise: that of a polynomial that
+// nearly vanishes on the particles and has a slope along an unresolved direction n, as
+// z - k (x^2 + y^2) does in a thin bowl. Derivative number i is sum_j h_ij (u_j . sqrt(w) u), and
+// the slope along n is sum_j c_j (u_j . sqrt(w) u); if the second were known to vanish, the first
+// would have the coefficients h_i less their part along c. Where that part makes up more than half
+// of sum_i |h_i|^2 (a sum over the entries of the tensor of the derivatives, which rotations leave
+// alone), derivatives of order k cannot be told from the slope, and are zero. Elsewhere nothing is
+// removed: they are those of polynomials, and amplify errors of the data at most sqrt(2) times as
+// much as if the slope were known.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include "recon/basis/monomials.hpp"
@@ -18,10 +33,12 @@
 
 namespace recon {
 
-template <class T, int D>
+// jet_order: that of the jets, at least 2.
+template <class T, int D, int jet_order = 2>
 class OrthonormalFit {
  public:
-  static constexpr int jets = detail::jet_size(D);
+  using Terms = Monomials<D, jet_order>;
+  static constexpr int jets = Terms::size;
   using Jet = std::array<T, jets>;
 
   int rank() const { return rank_; }
@@ -51,13 +68,13 @@ class OrthonormalFit {
     return detail::sum_of<T>(n_, [&](int p) { return T(T(abs(lambda_[p])) * root_[p]); });
   }
 
-  // Completes the report by the resolution of the gradient, and removes what is not resolved from
-  // all derivatives that follow: the unresolved directions in space, and from the second
-  // derivatives also the polynomial whose slope is noise. It works on single targets, not packs;
-  // there are slopes in `linear` directions.
+  // Completes the report by the resolution of the derivatives, and removes what is not resolved
+  // from the jets. It works on single targets, not packs. There are slopes in `linear` directions;
+  // those of each P_j along others that have been flattened, whatever their unit, are in
+  // `flattened`, an array for each direction.
   template <class B>
   void resolve_gradient(const T& weight_sum, const FitTolerances& tolerances, int linear,
-                        FitReport& report) {
+                        FitReport& report, std::span<const std::vector<T>> flattened = {}) {
     using std::sqrt;
     if (B::degree < 1) return;
     int degree = 1;
@@ -83,9 +100,20 @@ class OrthonormalFit {
       report.gradient_rank = static_cast<std::uint8_t>(resolution_.rank);
       amplification2 = resolution_.amplification2;
       partial_ = resolution_.rank < D;
-      for (int d = 0; d < D; ++d)
-        if (resolution_.dropped[d]) remove_from_second_derivatives(components[d]);
-      for (int j = 0; j < rank && partial_; ++j) project(jets_[j]);
+      if (partial_) {
+        project_jets();
+        if (report.hessian_rank > 0) report.hessian_rank = report.gradient_rank;
+        unresolved_.clear();
+        for (int d = 0; d < D; ++d)
+          if (resolution_.dropped[d]) add_unresolved(components[d]);
+        for (const std::vector<T>& slope : flattened) add_unresolved(slope.data());
+        for (int k = 2; k <= jet_order; ++k) {
+          if (share_of_slopes(k) <= T(0.5)) continue;
+          for (int j = 0; j < rank; ++j)
+            for (int a = Terms::begin(k); a < Terms::begin(k + 1); ++a) jets_[j][a] = T(0);
+          if (k == 2) report.hessian_rank = 0;
+        }
+      }
     }
     report.gradient_amplification = detail::to_float(T(sqrt(amplification2)));
   }
@@ -145,6 +173,17 @@ class OrthonormalFit {
     });
   }
 
+  // The shape functions of a linear functional of the local polynomial, from what it makes of the
+  // monomials in xi, numbered as the jets.
+  void shape_functions_of(const T* on_monomials, T* out) const {
+    combine(out, [&](int j) {
+      T sum = T(0);
+      for (int a = 0; a < jets; ++a) sum += jets_[j][a] * on_monomials[a];
+      return sum;
+    });
+    for (int p = 0; p < n_; ++p) out[p] *= root_[p];
+  }
+
   // Shape functions and derivatives from columns and jets. Exact gradients need cloud.dw.
   void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
     // lambda_p = phi_p / w_p, a polynomial.
@@ -193,37 +232,60 @@ class OrthonormalFit {
   }
 
  private:
-  // Removes the polynomial sum_j c_j P_j from the second derivatives.
-  void remove_from_second_derivatives(const T* c) {
-    T size2 = T(0);
-    for (int j = 0; j < rank_; ++j) size2 += c[j] * c[j];
-    for (int entry = 1 + D; entry < jets; ++entry) {
-      T part = T(0);
-      for (int j = 0; j < rank_; ++j) part += c[j] * jets_[j][entry];
-      for (int j = 0; j < rank_; ++j) jets_[j][entry] -= part / size2 * c[j];
+  // Appends to the unresolved slopes one whose coefficients are c, as a unit vector orthogonal to
+  // those before it.
+  void add_unresolved(const T* c) {
+    using std::sqrt;
+    const std::size_t before = unresolved_.size();
+    unresolved_.insert(unresolved_.end(), c, c + rank_);
+    T* const added = unresolved_.data() + before;
+    const auto dot = [this](const T* a, const T* b) {
+      T sum = T(0);
+      for (int j = 0; j < rank_; ++j) sum += a[j] * b[j];
+      return sum;
+    };
+    const T whole = dot(added, added);
+    for (const T* unit = unresolved_.data(); unit != added; unit += rank_) {
+      const T part = dot(unit, added);
+      for (int j = 0; j < rank_; ++j) added[j] -= part * unit[j];
     }
+    const T left = dot(added, added);
+    if (!(left > T(std::numeric_limits<T>::epsilon()) * whole)) return unresolved_.resize(before);
+    for (int j = 0; j < rank_; ++j) added[j] /= T(sqrt(left));
   }
 
-  // Keeps of the derivatives in a jet (gradient g, Hessian H) what lies in the resolved
-  // directions: Q g, Q H Q.
-  void project(Jet& jet) const {
-    std::array<T, D> slope;
-    std::array<std::array<T, D>, D> second, half;
-    int entry = 1 + D;
-    for (int a = 0; a < D; ++a) {
-      slope[a] = jet[1 + a];
-      for (int b = a; b < D; ++b, ++entry)
-        second[a][b] = second[b][a] = a == b ? T(T(2) * jet[entry]) : jet[entry];
+  // The part of the derivatives of order k, in all of the square sum of their coefficients, that
+  // lies along those of the unresolved slopes. The derivative with exponents alpha is alpha! times
+  // its Taylor coefficient, and has k! / alpha! places in the tensor.
+  T share_of_slopes(int k) const {
+    T whole = T(0), shared = T(0);
+    for (int a = Terms::begin(k); a < Terms::begin(k + 1); ++a) {
+      T factor = T(1);
+      for (int d = 0; d < D; ++d)
+        for (int e = 2; e <= Terms::exponents[a][d]; ++e) factor *= T(e);
+      for (int j = 0; j < rank_; ++j) whole += factor * jets_[j][a] * jets_[j][a];
+      for (std::size_t first = 0; first < unresolved_.size(); first += rank_) {
+        T part = T(0);
+        for (int j = 0; j < rank_; ++j) part += unresolved_[first + j] * jets_[j][a];
+        shared += factor * part * part;
+      }
     }
-    slope = resolution_.project(slope);
-    for (int a = 0; a < D; ++a) half[a] = resolution_.project(second[a]);
-    entry = 1 + D;
-    for (int a = 0; a < D; ++a) {
-      jet[1 + a] = slope[a];
-      std::array<T, D> column;
-      for (int b = 0; b < D; ++b) column[b] = half[b][a];
-      column = resolution_.project(column);
-      for (int b = a; b < D; ++b, ++entry) jet[entry] = a == b ? T(column[b] / T(2)) : column[b];
+    return whole > T(0) ? T(shared / whole) : T(0);
+  }
+
+  // Replaces each P_j(xi) by P_j(Q xi) with the projector Q onto the resolved directions.
+  void project_jets() {
+    std::array<Jet, jets> projected;  // of the monomials of Q xi
+    for (int a = 1; a < jets; ++a)
+      projected[a] = Terms::of_forms(Terms::exponents[a], resolution_.projector);
+    for (int j = 0; j < rank_; ++j) {
+      const Jet whole = jets_[j];
+      for (int k = 1; k <= jet_order; ++k)
+        for (int b = Terms::begin(k); b < Terms::begin(k + 1); ++b) {
+          jets_[j][b] = T(0);
+          for (int a = Terms::begin(k); a < Terms::begin(k + 1); ++a)
+            jets_[j][b] += projected[a][b] * whole[a];
+        }
     }
   }
 
@@ -266,6 +328,7 @@ class OrthonormalFit {
   bool partial_ = false;  // the gradient is not resolved in all directions
   detail::GradientResolution<T, D> resolution_;
   std::vector<T> directions_;
+  std::vector<T> unresolved_;  // coefficients of slopes: orthonormal, rank_ numbers each
 };
 
 }  // namespace recon

@@ -24,7 +24,7 @@
 
 namespace recon {
 
-template <class T, Basis B>
+template <class T, Basis B, int jet_order = 2>
 class RegularGramSchmidt {
  public:
   static constexpr int D = B::dimension;
@@ -95,8 +95,8 @@ class RegularGramSchmidt {
   const T& amplification() const { return amplification_; }
   const T& weight_sum() const { return weight_sum_; }
 
-  const OrthonormalFit<T, D>& result() const { return fit_; }
-  OrthonormalFit<T, D>& result() { return fit_; }
+  const OrthonormalFit<T, D, jet_order>& result() const { return fit_; }
+  OrthonormalFit<T, D, jet_order>& result() { return fit_; }
 
   void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
     fit_.shape_functions(cloud, out);
@@ -108,7 +108,7 @@ class RegularGramSchmidt {
   }
 
   FitTolerances tolerances_;
-  OrthonormalFit<T, D> fit_;
+  OrthonormalFit<T, D, jet_order> fit_;
   T weight_sum_ = T(0), smallest_pivot_ = T(1), amplification_ = T(0),
     gradient_amplification_ = T(0);
   Mask independent_ = Mask(false), gradient_resolved_ = Mask(false);

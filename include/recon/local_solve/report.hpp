@@ -46,6 +46,11 @@ struct FitReport {
   // gradient() is 0 in the others. It is below the dimension on lines and in sheets, however
   // noisy, and 0 at degree 0.
   std::uint8_t gradient_rank = 0;
+  // The number of directions in which second derivatives are resolved: hessian() is 0 in the
+  // others. It is gradient_rank, or 0: where second derivatives cannot be told from a slope that is
+  // not resolved (on a thin bowl, or where the particles lie near a curve by chance), and where
+  // there are none, below degree 2 and on grids.
+  std::uint8_t hessian_rank = 0;
   // The number of independent directions kept within each degree: {1, 1, 0} on a line in 2-D.
   std::array<std::uint8_t, max_degree + 1> kept{};
   // The smallest pivot of the moment matrix scaled to unit diagonal, = min_j (|p_j| / |q_j|)^2 with

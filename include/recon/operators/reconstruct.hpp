@@ -33,6 +33,7 @@
 #include <span>
 #include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "recon/neighbourhood/sources.hpp"
@@ -52,10 +53,16 @@ namespace detail {
 template <class Scalar>
 class FitProblem;
 
-inline Functional base_of(const Functional& functional) {
+// What acts on each component of a field by itself.
+using ComponentFunctional = std::variant<Functional, OwnFunctional>;
+
+inline ComponentFunctional base_of(const Functional& functional) {
   return functional;
 }
-inline Functional base_of(const VectorFunctional& functional) {
+inline ComponentFunctional base_of(const OwnFunctional& functional) {
+  return functional;
+}
+inline ComponentFunctional base_of(const VectorFunctional& functional) {
   return Functional::gradient.with(functional.slopes());
 }
 }  // namespace detail
@@ -131,14 +138,17 @@ class BasicReconstruction {
   CsrOperator<Scalar> gradient(Derivative kind = Derivative::exact) const;
 
   // The second derivatives of the local polynomial (1/length^2), D (D + 1) / 2 blocks; zero below
-  // degree 2, and in directions in which the gradient is not resolved.
+  // degree 2, in directions in which the gradient is not resolved, and where they cannot be told
+  // from an unresolved slope: report()[t].hessian_rank.
   CsrOperator<Scalar> hessian() const;
 
   // Operators of any functionals (functional.hpp), from one fit of each target for all of them: a
-  // std::tuple of a CsrOperator for each Functional and a VectorOperator for each VectorFunctional.
+  // std::tuple of a CsrOperator for each Functional and OwnFunctional and a VectorOperator for each
+  // VectorFunctional. Derivatives beyond the second and own functionals fit each target once more.
   template <class... Functionals>
   auto operators(const Functionals&... functionals) const {
-    const std::array<Functional, sizeof...(Functionals)> bases{detail::base_of(functionals)...};
+    const std::array<detail::ComponentFunctional, sizeof...(Functionals)> bases{
+        detail::base_of(functionals)...};
     std::vector<CsrOperator<Scalar>> made = operators_of(bases);
     return [&]<std::size_t... i>(std::index_sequence<i...>) {
       return std::tuple{finished(std::move(made[i]), functionals)...};
@@ -163,11 +173,16 @@ class BasicReconstruction {
   using Problem = detail::FitProblem<Scalar>;
   template <class... Neighbours>
   void fit(const PointsView<Scalar>& targets, Neighbours&&... neighbours);
-  std::vector<CsrOperator<Scalar>> operators_of(std::span<const Functional> functionals) const;
+  std::vector<CsrOperator<Scalar>> operators_of(
+      std::span<const detail::ComponentFunctional> functionals) const;
   CsrOperator<Scalar> operator_of(const Functional& functional) const {
-    return std::move(operators_of({&functional, 1}).front());
+    const detail::ComponentFunctional base = functional;
+    return std::move(operators_of({&base, 1}).front());
   }
   static CsrOperator<Scalar> finished(CsrOperator<Scalar>&& made, const Functional&) {
+    return std::move(made);
+  }
+  static CsrOperator<Scalar> finished(CsrOperator<Scalar>&& made, const OwnFunctional&) {
     return std::move(made);
   }
   static VectorOperator<Scalar> finished(CsrOperator<Scalar>&& made, const VectorFunctional& f) {

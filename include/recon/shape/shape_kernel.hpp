@@ -6,7 +6,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
+#include <span>
 
 #include "recon/core/instruction_set.hpp"
 #include "recon/local_solve/local_cloud.hpp"
@@ -50,6 +52,19 @@ struct ShapeRows {
   FitReport* report = nullptr;
 };
 
+// Linear functionals L_i of the local polynomial, from what they make of monomials. Entry e of the
+// neighbour list has value[e * numbers + i].
+template <class Scalar>
+struct FunctionalRows {
+  Scalar* value = nullptr;
+  int numbers = 0;
+  // Sets out[i] to L_i of the monomial (x - x_t)^powers about target t, whose unit is a power of
+  // that of the lengths; it may throw. Called concurrently.
+  std::function<void(std::size_t t, const std::array<int, max_dimension>& powers,
+                     std::span<double> out)>
+      action;
+};
+
 template <class Scalar>
 class ShapeKernel {
  public:
@@ -58,6 +73,12 @@ class ShapeKernel {
   // follow each other. Thread-safe; no allocation per target.
   virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                         const ShapeRows<Scalar>& rows) const = 0;
+  // The same for functionals of the local polynomial as far as it is resolved
+  // (local_solve/orthonormal_fit.hpp): without derivatives in directions in which those are not.
+  // Each target is fitted by Gram-Schmidt, whose polynomial is that of every other solver. Throws
+  // InvalidArgument where an action is not finite or so large that it overflows.
+  virtual void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
+                        const FunctionalRows<Scalar>& rows) const = 0;
   // Gives back the memory that is kept from one call to the next.
   virtual void forget_buffers() const = 0;
 };
