@@ -24,6 +24,10 @@ NeighbourRule resolved_rule(const NeighbourRule& rule, int dimension, int degree
                  nearest->factor};
 }
 
+bool has_radii(const NeighbourRule& rule) {
+  return std::holds_alternative<Radii>(rule) || std::holds_alternative<PairRadii>(rule);
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -48,15 +52,10 @@ void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, const Neighbour
   const NeighbourRule asked =
       rule ? resolved_rule(*rule, dimension(), options_.degree) : options_.neighbours;
   require_dimension(targets);
-  require_valid_rule<Scalar>(asked, targets.size());
+  require_valid_rule<Scalar>(asked, targets.size(), cloud_->points().size());
   cloud_->take_targets(targets, "targets", options_.threads, incoming_);
   rule_before_ = options_.neighbours;
-  options_.neighbours = asked;
-  if (const auto* given = std::get_if<Radii>(&asked)) {
-    if (given->radii.data() != radii_.data())
-      radii_.assign(given->radii.begin(), given->radii.end());
-    options_.neighbours = Radii{radii_};
-  }
+  options_.neighbours = with_kept_radii(asked);
   own_neighbours_ = false;
 }
 
@@ -84,7 +83,7 @@ void FitProblem<Scalar>::fit(Array<Scalar> values) {
 
 template <class Scalar>
 void FitProblem<Scalar>::abandon() {
-  if (!std::holds_alternative<Radii>(rule_before_)) options_.neighbours = rule_before_;
+  if (!has_radii(rule_before_)) options_.neighbours = rule_before_;
   targets_ = PointCloud<Scalar>();
   target_of_.clear();
   neighbours_ = {};
@@ -179,12 +178,33 @@ NeighbourOptions FitProblem<Scalar>::search_options() const {
 }
 
 template <class Scalar>
-NeighbourRule FitProblem<Scalar>::ordered_rule(std::vector<double>& radii) const {
-  if (!std::holds_alternative<Radii>(options_.neighbours) || target_of_.empty())
-    return options_.neighbours;
+NeighbourRule FitProblem<Scalar>::with_kept_radii(const NeighbourRule& rule) {
+  const auto keep = [](std::span<const double> given, std::vector<double>& kept) {
+    if (given.data() != kept.data()) kept.assign(given.begin(), given.end());
+  };
+  if (const auto* own = std::get_if<Radii>(&rule)) {
+    keep(own->radii, radii_.targets);
+    return Radii{radii_.targets};
+  }
+  if (const auto* pairs = std::get_if<PairRadii>(&rule)) {
+    keep(pairs->targets, radii_.targets);
+    keep(pairs->particles, radii_.particles);
+    return PairRadii{radii_.particles, radii_.targets, pairs->support};
+  }
+  return rule;
+}
+
+template <class Scalar>
+NeighbourRule FitProblem<Scalar>::ordered_rule(OwnRadii& radii) const {
+  if (!has_radii(options_.neighbours)) return options_.neighbours;
+  const auto* pairs = std::get_if<PairRadii>(&options_.neighbours);
   radii.clear();
-  for (const std::uint32_t t : target_of_) radii.push_back(radii_[t]);
-  return Radii{radii};
+  const std::size_t of_targets = pairs && pairs->targets.empty() ? 0 : targets_.size();
+  for (std::size_t t = 0; t < of_targets; ++t)
+    radii.targets.push_back(radii_.targets[caller_target(t)]);
+  if (!pairs) return Radii{radii.targets};
+  for (const std::uint32_t p : cloud_->caller_of()) radii.particles.push_back(radii_.particles[p]);
+  return PairRadii{radii.particles, radii.targets, pairs->support};
 }
 
 template <class Scalar>

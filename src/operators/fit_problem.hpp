@@ -17,6 +17,16 @@
 
 namespace recon::detail {
 
+// The radii that a rule refers to.
+struct OwnRadii {
+  std::vector<double> targets, particles;
+
+  void clear() {
+    targets.clear();
+    particles.clear();
+  }
+};
+
 template <class Scalar>
 class FitProblem {
  public:
@@ -60,8 +70,11 @@ class FitProblem {
 
   std::size_t caller_target(std::size_t t) const { return target_of_.empty() ? t : target_of_[t]; }
   NeighbourOptions search_options() const;
-  // The rule of the options for the targets in this order; `radii` keeps what it refers to.
-  NeighbourRule ordered_rule(std::vector<double>& radii) const;
+  // The rule, with its radii kept here.
+  NeighbourRule with_kept_radii(const NeighbourRule& rule);
+  // The rule of the options for the targets in this order and the places of the cloud; `radii` holds
+  // what it refers to.
+  NeighbourRule ordered_rule(OwnRadii& radii) const;
   ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
                                      const NeighbourListView<Scalar>& list) const;
   // Fits the targets of a list; `values` per entry and `reports` per target.
@@ -77,8 +90,8 @@ class FitProblem {
   void use_nearest(const NeighbourOptions& search);
 
   std::shared_ptr<const Cloud<Scalar>> cloud_;
-  Options options_;            // refers to radii_ where its rule is Radii
-  std::vector<double> radii_;  // of the caller's targets
+  Options options_;  // its rule refers to radii_
+  OwnRadii radii_;   // of the caller's targets and particles
   NeighbourRule rule_before_ = Nearest{1};
   NeighbourList<Scalar> given_;  // the caller's, until fit() takes it
   std::shared_ptr<const ShapeKernel<Scalar>> kernel_;
@@ -86,7 +99,7 @@ class FitProblem {
 
   PointCloud<Scalar> incoming_, targets_;
   CountingSort sort_;
-  std::vector<double> ordered_radii_;
+  OwnRadii ordered_radii_;
   Array<std::uint32_t> target_of_;    // until make_pattern() takes it
   NeighbourList<Scalar> neighbours_;  // likewise
   Array<Scalar> values_;

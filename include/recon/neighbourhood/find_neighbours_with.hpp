@@ -28,9 +28,10 @@ inline void require_count(std::size_t k) {
   require(k <= 0xFFFFFFFFu, "k", static_cast<std::int64_t>(k), "must be from 1 to 2^32 - 1");
 }
 
-// Throws InvalidArgument for values outside their range; `targets` is the number of targets.
+// Throws InvalidArgument for values outside their range and numbers of radii that are not those of
+// the targets and particles.
 template <class Scalar>
-void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
+void require_valid_rule(const NeighbourRule& rule, std::size_t targets, std::size_t particles) {
   const auto positive = [](double length) {  // in the scalar type of the points
     const auto rounded = static_cast<Scalar>(length);
     return rounded > 0 && std::isfinite(rounded) &&
@@ -38,14 +39,28 @@ void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
   };
   const char* const length_rule =
       "must be positive and finite, and not so small that its square underflows";
+  const auto require_radii = [&](std::span<const double> radii, const char* of, const char* one,
+                                 std::size_t number, const char* number_rule) {
+    require(radii.size() == number, of, radii.size(), number_rule);
+    for (std::size_t i = 0; i < number; ++i)
+      if (!positive(radii[i])) throw_invalid(one + std::to_string(i), radii[i], length_rule);
+  };
   if (const auto* radius = std::get_if<Radius>(&rule)) {
     require(positive(radius->radius), "radius", radius->radius, length_rule);
   } else if (const auto* radii = std::get_if<Radii>(&rule)) {
-    require(radii->radii.size() == targets, "number of radii", radii->radii.size(),
-            "must be the number of targets");
-    for (std::size_t t = 0; t < targets; ++t)
-      if (!positive(radii->radii[t]))
-        throw_invalid("radius of target " + std::to_string(t), radii->radii[t], length_rule);
+    require_radii(radii->radii, "number of radii", "radius of target ", targets,
+                  "must be the number of targets");
+  } else if (const auto* pairs = std::get_if<PairRadii>(&rule)) {
+    require(pairs->support >= PairSupport::particle && pairs->support <= PairSupport::larger,
+            "support of pairs", static_cast<int>(pairs->support),
+            "must be an enumerator of recon::PairSupport");
+    require_radii(pairs->particles, "number of radii of particles", "radius of particle ",
+                  particles, "must be the number of particles");
+    const bool symmetric = pairs->support != PairSupport::particle;
+    require_radii(pairs->targets, "number of radii of targets", "radius of target ",
+                  symmetric ? targets : 0,
+                  symmetric ? "must be the number of targets"
+                            : "must be 0 where pairs have the support of the particle");
   } else if (const auto* nearest = std::get_if<Nearest>(&rule)) {
     require_count(nearest->k);
     require(nearest->factor > 1 && std::isfinite(nearest->factor), "factor", nearest->factor,
@@ -72,7 +87,7 @@ void require_valid_question(const PointCloud<Scalar>& particles, const PointClou
                             const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain) {
   require(targets.dimension() == particles.dimension(), "dimension of the targets",
           targets.dimension(), "must be the dimension of the particles");
-  require_valid_rule<Scalar>(rule, targets.size());
+  require_valid_rule<Scalar>(rule, targets.size(), particles.size());
   domain.validate(particles.dimension());
   // Where all squared distances underflow, none is the nearest.
   Scalar extent = 0;
@@ -110,6 +125,47 @@ Scalar support_factor(const NeighbourRule& rule) {
   return nearest ? static_cast<Scalar>(nearest->factor) : Scalar(0);
 }
 
+// The support radius of a pair.
+template <class Scalar>
+Scalar pair_radius(const PairRadii& rule, std::size_t target, std::size_t particle) {
+  const double of_particle = rule.particles[particle];
+  switch (rule.support) {
+    case PairSupport::mean:
+      return static_cast<Scalar>(of_particle / 2 + rule.targets[target] / 2);
+    case PairSupport::larger:
+      return static_cast<Scalar>(std::max(of_particle, rule.targets[target]));
+    default:
+      return static_cast<Scalar>(of_particle);
+  }
+}
+
+// The radius of a target that has no neighbours.
+template <class Scalar>
+Scalar lone_radius(const PairRadii& rule, std::size_t target) {
+  if (!rule.targets.empty()) return static_cast<Scalar>(rule.targets[target]);
+  if (rule.particles.empty()) return 1;
+  return static_cast<Scalar>(*std::max_element(rule.particles.begin(), rule.particles.end()));
+}
+
+// Completes a list by the supports of its pairs, and of its targets as the largest of them.
+template <class Scalar>
+void add_pair_supports(const PairRadii& rule, int threads, NeighbourList<Scalar>& list) {
+  const std::size_t count = list.targets();
+  list.support.resize(count);
+  list.pair_support.resize(list.indices.size());
+  const Scalar none = count > 0 && rule.targets.empty() ? lone_radius<Scalar>(rule, 0) : Scalar(0);
+  recon::parallel_blocks(count, 256, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      Scalar largest = 0;
+      for (std::int64_t e = list.offsets[t]; e < list.offsets[t + 1]; ++e) {
+        list.pair_support[e] = pair_radius<Scalar>(rule, t, list.indices[e]);
+        largest = std::max(largest, list.pair_support[e]);
+      }
+      list.support[t] = largest > 0 ? largest : none > 0 ? none : lone_radius<Scalar>(rule, t);
+    }
+  });
+}
+
 // Finds the neighbours of one target after another; has the buffers for that.
 template <NeighbourSearch S>
 class TargetNeighbours {
@@ -145,6 +201,24 @@ class TargetNeighbours {
   }
   Scalar find(std::size_t target, const Radii& rule) {
     return all_within(target, static_cast<Scalar>(rule.radii[target]));
+  }
+  // By going through all within the largest radius: for searches that know the particles only.
+  Scalar find(std::size_t target, const PairRadii& rule) {
+    if (!(largest_radius_ > 0) && !rule.particles.empty()) {
+      largest_radius_ = *std::max_element(rule.particles.begin(), rule.particles.end());
+      for (const double radius : rule.targets)
+        largest_radius_ = std::max(largest_radius_, radius);
+    }
+    all_within(target, static_cast<Scalar>(largest_radius_));
+    std::erase_if(entries_, [&](const Entry& entry) {
+      const Scalar rho = pair_radius<Scalar>(rule, target, entry.index);
+      if (!cube_) return !(entry.distance2 <= rho * rho);
+      Point x = x_;
+      for (int d = 0; d < D; ++d)
+        if (domain_.periodic[d]) x[d] -= static_cast<Scalar>(entry.shift[d]) * domain_.period(d);
+      return !in_cube(x, entry.index, rho);
+    });
+    return static_cast<Scalar>(largest_radius_);
   }
   Scalar find(std::size_t target, const NearestWithin& rule) {
     const auto rho = static_cast<Scalar>(rule.radius);
@@ -311,6 +385,7 @@ class TargetNeighbours {
   const NeighbourOptions& options_;
   const Scalar spacing_;
   const bool cube_;
+  double largest_radius_ = 0;     // of PairRadii
   Scalar cube_limit_ = infinity;  // half edge of the cube that the k nearest must lie in
   std::size_t target_ = 0;
   Point x_{};
@@ -369,6 +444,8 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
               list.shifts.begin() + (domain.any() ? list.offsets[begin] : 0));
   });
   list.support_factor = detail::support_factor<Scalar>(rule);
+  if (const auto* pairs = std::get_if<PairRadii>(&rule))
+    detail::add_pair_supports(*pairs, options.threads, list);
   return list;
 }
 
