@@ -63,8 +63,7 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
     for (std::size_t t = 0; t < rows.size(); ++t) {
       own.clear();
       for (std::int64_t e = found.offsets[t]; e < found.offsets[t + 1]; ++e)
-        own.push_back(
-            {found.indices[e], found.shifts.empty() ? ImageShift{} : found.shifts[e]});
+        own.push_back({found.indices[e], found.shifts.empty() ? ImageShift{} : found.shifts[e]});
       both.clear();
       std::set_union(rows[t].begin(), rows[t].end(), own.begin(), own.end(),
                      std::back_inserter(both));
@@ -105,9 +104,9 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
   add_pair_supports(rule, options.threads, list);
 }
 
-#define RECON_INSTANTIATE(S, D)                                                                   \
-  template void find_pairs<D, S>(SearchIndex<S, D>&, const PointCloud<S>&, const PairRadii&,      \
-                                 const PeriodicDomain<S>&, const NeighbourOptions&,               \
+#define RECON_INSTANTIATE(S, D)                                                              \
+  template void find_pairs<D, S>(SearchIndex<S, D>&, const PointCloud<S>&, const PairRadii&, \
+                                 const PeriodicDomain<S>&, const NeighbourOptions&,          \
                                  NeighbourList<S>&)
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE

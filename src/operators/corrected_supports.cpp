@@ -22,8 +22,7 @@ NeighbourRule enlarged(const NeighbourRule& rule, double factor,
   if (const auto* r = std::get_if<NearestWithin>(&rule))
     return NearestWithin{more(r->k), r->radius * factor};
   const auto* pairs = std::get_if<PairRadii>(&rule);
-  const std::span<const double> of_targets =
-      pairs ? pairs->targets : std::get<Radii>(rule).radii;
+  const std::span<const double> of_targets = pairs ? pairs->targets : std::get<Radii>(rule).radii;
   kept.clear();
   for (const std::size_t t : targets)
     if (!of_targets.empty()) kept.targets.push_back(of_targets[t] * factor);

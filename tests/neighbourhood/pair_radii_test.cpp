@@ -89,7 +89,9 @@ TYPED_TEST(PairRadiiSearch, FindsThePairsThatADoubleLoopFinds) {
             std::set_intersection(listed.begin(), listed.end(), outside.begin(), outside.end(),
                                   std::back_inserter(wrong));
             ASSERT_TRUE(wrong.empty()) << "target " << t;
-            if (!listed.empty()) ASSERT_EQ(list.support[t], static_cast<Scalar>(largest));
+            if (!listed.empty()) {
+              ASSERT_EQ(list.support[t], static_cast<Scalar>(largest));
+            }
           }
         }
 }

@@ -25,22 +25,24 @@ std::vector<double> radii_between(std::size_t count, double least, double larges
   return radii;
 }
 
-template <class C>
-class PairSupports : public ::testing::Test {
- public:
-  using Scalar = typename C::Scalar;
-  static constexpr int D = C::D;
+template <class Scalar, int D>
+struct Clouds {
   PointList<Scalar, D> points = random_points<Scalar, D>(300, 1);
   PointList<Scalar, D> targets = random_points<Scalar, D>(60, 2);
-  static constexpr double h = D == 1 ? 0.05 : D == 2 ? 0.2 : 0.4;
+  double length = D == 1 ? 0.05 : D == 2 ? 0.2 : 0.4;
 };
+
+template <class C>
+class PairSupports : public ::testing::Test {};
 TYPED_TEST_SUITE(PairSupports, AllCases, CaseNames);
 
 TYPED_TEST(PairSupports, ReproducePolynomials) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
-  const auto of_particles = radii_between(this->points.size(), this->h, 2 * this->h, 3);
-  const auto of_targets = radii_between(this->targets.size(), this->h, 2 * this->h, 4);
+  const Clouds<Scalar, D> clouds;
+  const auto of_particles =
+      radii_between(clouds.points.size(), clouds.length, 2 * clouds.length, 3);
+  const auto of_targets = radii_between(clouds.targets.size(), clouds.length, 2 * clouds.length, 4);
   for (const PairSupport support : {PairSupport::particle, PairSupport::mean, PairSupport::larger})
     for (const WeightForm form : all_forms)
       for (const Solver solver : all_solvers)
@@ -48,11 +50,11 @@ TYPED_TEST(PairSupports, ReproducePolynomials) {
           PairRadii rule{of_particles, {}, support};
           if (support != PairSupport::particle) rule.targets = of_targets;
           Options options{.degree = degree, .form = form, .neighbours = rule, .solver = solver};
-          const BasicReconstruction<Scalar> fit(points_of(this->points), points_of(this->targets),
+          const BasicReconstruction<Scalar> fit(points_of(clouds.points), points_of(clouds.targets),
                                                 options);
-          EXPECT_EQ(fit.report().summary().full, this->targets.size());
+          EXPECT_EQ(fit.report().summary().full, clouds.targets.size());
           expect_reproduction<Scalar, D>(
-              fit, this->points, this->targets, degree,
+              fit, clouds.points, clouds.targets, degree,
               std::string(name_of(solver)) + ", degree " + std::to_string(degree));
           if (::testing::Test::HasFailure()) return;
         }
@@ -61,18 +63,19 @@ TYPED_TEST(PairSupports, ReproducePolynomials) {
 // Where all radii are one, the weights are those of Radius, and so is every bit.
 TYPED_TEST(PairSupports, OfOneSizeAreThoseOfRadius) {
   using Scalar = typename TypeParam::Scalar;
-  const double h = 1.5 * this->h;
-  const std::vector<double> of_particles(this->points.size(), h), of_targets(60, h);
+  const Clouds<Scalar, TypeParam::D> clouds;
+  const double h = 1.5 * clouds.length;
+  const std::vector<double> of_particles(clouds.points.size(), h), of_targets(60, h);
   for (const WeightForm form : all_forms)
     for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt}) {
       Options options{.degree = 2, .form = form, .neighbours = Radius{h}, .solver = solver};
-      const BasicReconstruction<Scalar> one(points_of(this->points), points_of(this->targets),
+      const BasicReconstruction<Scalar> one(points_of(clouds.points), points_of(clouds.targets),
                                             options);
       for (const PairRadii& rule :
            {PairRadii{of_particles}, PairRadii{of_particles, of_targets, PairSupport::mean},
             PairRadii{of_particles, of_targets, PairSupport::larger}}) {
         options.neighbours = rule;
-        const BasicReconstruction<Scalar> pairs(points_of(this->points), points_of(this->targets),
+        const BasicReconstruction<Scalar> pairs(points_of(clouds.points), points_of(clouds.targets),
                                                 options);
         EXPECT_EQ(numbers_of(pairs.values()), numbers_of(one.values()));
         EXPECT_EQ(numbers_of(pairs.gradient()), numbers_of(one.gradient()));
@@ -85,20 +88,21 @@ TYPED_TEST(PairSupports, OfOneSizeAreThoseOfRadius) {
 TYPED_TEST(PairSupports, OfDegreeZeroAreShepardsFormula) {
   using Scalar = typename TypeParam::Scalar;
   constexpr int D = TypeParam::D;
-  const auto radii = radii_between(this->points.size(), 0.5 * this->h, 2 * this->h, 3);
-  const auto u = smooth_field(this->points);
+  const Clouds<Scalar, D> clouds;
+  const auto radii = radii_between(clouds.points.size(), 0.5 * clouds.length, 2 * clouds.length, 3);
+  const auto u = smooth_field<Scalar, D>(clouds.points);
   const auto at_targets =
-      reconstruct(points_of(this->points), points_of(this->targets),
+      reconstruct(points_of(clouds.points), points_of(clouds.targets),
                   {.degree = 0, .weight = Weight::wendland_c2, .neighbours = PairRadii{radii}})
           .apply(field_of(u));
   const WeightFunction weight = Weight::wendland_c2;
-  for (std::size_t t = 0; t < this->targets.size(); ++t) {
+  for (std::size_t t = 0; t < clouds.targets.size(); ++t) {
     double sum = 0, weights = 0;
-    for (std::size_t p = 0; p < this->points.size(); ++p) {
+    for (std::size_t p = 0; p < clouds.points.size(); ++p) {
       double distance = 0;
       for (int d = 0; d < D; ++d)
-        distance = std::hypot(distance, static_cast<double>(this->points[p][d]) -
-                                            this->targets[t][d]);
+        distance =
+            std::hypot(distance, static_cast<double>(clouds.points[p][d]) - clouds.targets[t][d]);
       const double q = distance / radii[p];
       double w = 0;
       weight.evaluate(&q, &w, nullptr, 1);
@@ -112,14 +116,16 @@ TYPED_TEST(PairSupports, OfDegreeZeroAreShepardsFormula) {
 }
 
 template <class C>
-class PairSupportGradient : public PairSupports<C> {};
+class PairSupportGradient : public ::testing::Test {};
 TYPED_TEST_SUITE(PairSupportGradient, DoubleCases, CaseNames);
 
 TYPED_TEST(PairSupportGradient, EqualsFiniteDifferences) {
   constexpr int D = TypeParam::D;
-  const auto of_particles = radii_between(this->points.size(), this->h, 2 * this->h, 3);
-  const auto of_targets = radii_between(this->targets.size(), this->h, 2 * this->h, 4);
-  const auto u = smooth_field(this->points);
+  const Clouds<double, D> clouds;
+  const auto of_particles =
+      radii_between(clouds.points.size(), clouds.length, 2 * clouds.length, 3);
+  const auto of_targets = radii_between(clouds.targets.size(), clouds.length, 2 * clouds.length, 4);
+  const auto u = smooth_field<double, D>(clouds.points);
   for (const PairSupport support : {PairSupport::particle, PairSupport::mean})
     for (const WeightForm form : all_forms)
       for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt})
@@ -132,10 +138,10 @@ TYPED_TEST(PairSupportGradient, EqualsFiniteDifferences) {
                                 .neighbours = rule,
                                 .solver = solver};
           const auto at = [&](const PointList<double, D>& x) {
-            return reconstruct(points_of(this->points), points_of(x), options);
+            return reconstruct(points_of(clouds.points), points_of(x), options);
           };
           expect_derivative<D>(
-              at(this->targets).gradient().apply(field_of(u)), this->targets,
+              at(clouds.targets).gradient().apply(field_of(u)), clouds.targets,
               [&](const PointList<double, D>& x) { return at(x).apply(field_of(u)); }, 1e-5,
               std::string(name_of(solver)) + ", degree " + std::to_string(degree));
         }
@@ -146,12 +152,13 @@ TYPED_TEST(PairSupportGradient, EqualsFiniteDifferences) {
 TEST(PairSupportPattern, IsSymmetricWhereTheRadiusIs) {
   const auto points = random_points<double, 2>(200, 9);
   const auto radii = radii_between(200, 0.05, 0.3, 10);
-  for (const PairSupport support : {PairSupport::mean, PairSupport::larger, PairSupport::particle}) {
+  for (const PairSupport support :
+       {PairSupport::mean, PairSupport::larger, PairSupport::particle}) {
     PairRadii rule{radii, {}, support};
     if (support != PairSupport::particle) rule.targets = radii;
-    const auto list = reconstruct(points_of(points), points_of(points),
-                                  {.degree = 0, .neighbours = rule})
-                          .neighbours();
+    const auto list =
+        reconstruct(points_of(points), points_of(points), {.degree = 0, .neighbours = rule})
+            .neighbours();
     std::vector<std::vector<double>> support_of(200, std::vector<double>(200, 0));
     for (std::size_t t = 0; t < 200; ++t)
       for (std::int64_t e = list.offsets[t]; e < list.offsets[t + 1]; ++e)
@@ -168,11 +175,11 @@ TEST(PairSupportPattern, IsSymmetricWhereTheRadiusIs) {
 TEST(PairSupportPattern, HoldsWhateverElseIsAsked) {
   auto points = random_points<double, 2>(2000, 11);
   const auto targets = random_points<double, 2>(1500, 12);
-  const auto radii = radii_between(2000, 0.02, 0.08, 13), larger = radii_between(2000, 0.05, 0.1, 14);
+  const auto radii = radii_between(2000, 0.02, 0.08, 13),
+             larger = radii_between(2000, 0.05, 0.1, 14);
   PeriodicDomain<double> box;
   box.periodic = {true, false, false};
   box.upper = {1, 1, 1};
-  const auto u = smooth_field(points);
   Options options{.degree = 1, .neighbours = PairRadii{radii}};
   options.grow = {.steps = 4};
   options.max_distance = 3;

@@ -206,8 +206,7 @@ class TargetNeighbours {
   Scalar find(std::size_t target, const PairRadii& rule) {
     if (!(largest_radius_ > 0) && !rule.particles.empty()) {
       largest_radius_ = *std::max_element(rule.particles.begin(), rule.particles.end());
-      for (const double radius : rule.targets)
-        largest_radius_ = std::max(largest_radius_, radius);
+      for (const double radius : rule.targets) largest_radius_ = std::max(largest_radius_, radius);
     }
     all_within(target, static_cast<Scalar>(largest_radius_));
     std::erase_if(entries_, [&](const Entry& entry) {
