@@ -45,6 +45,14 @@ FieldSpan<Scalar> part_of(Matrix<Scalar>& matrix, std::size_t first, std::size_t
           size, rows * size};
 }
 
+// The rule for some of the targets.
+NeighbourRule part_of(const NeighbourRule& rule, std::size_t first, std::size_t count) {
+  if (const auto* own = std::get_if<Radii>(&rule)) return Radii{own->radii.subspan(first, count)};
+  const auto* pairs = std::get_if<PairRadii>(&rule);
+  if (!pairs || pairs->targets.empty()) return rule;
+  return PairRadii{pairs->particles, pairs->targets.subspan(first, count), pairs->support};
+}
+
 // Messages about targets speak of those in hand.
 template <class Apply>
 void with_place(std::size_t first, std::size_t field, std::size_t fields, const Apply& apply) {
@@ -68,7 +76,7 @@ BasicGridReconstruction<Scalar> by_lists(const BasicSources<Scalar>& sources,
                                          const StructuredGrid<Scalar>& grid, Options options,
                                          const GridApply& apply) {
   const std::size_t nodes = grid.size();
-  detail::require_valid_rule<Scalar>(*options.neighbours, nodes);
+  detail::require_valid_rule<Scalar>(*options.neighbours, nodes, sources.size());
   options.domain = {};  // the Sources have it, and the stretch and the weights
   options.stretch = SourcesOptions{}.stretch;
   options.particle_weights = {};
@@ -78,7 +86,6 @@ BasicGridReconstruction<Scalar> by_lists(const BasicSources<Scalar>& sources,
       return visible(first + t, p);
     };
   const NeighbourRule rule = *options.neighbours;
-  const Radii* const radii = std::get_if<Radii>(&rule);
 
   int components = 0;
   for (const auto& field : fields) components += field.components();
@@ -96,7 +103,7 @@ BasicGridReconstruction<Scalar> by_lists(const BasicSources<Scalar>& sources,
   for (; first < nodes; first += nodes_at_once) {
     const std::size_t count = std::min(nodes_at_once, nodes - first);
     const PointsView<Scalar> at = places.at(first, count);
-    if (radii) options.neighbours = Radii{radii->radii.subspan(first, count)};
+    options.neighbours = part_of(rule, first, count);
     if (fit)
       fit->update(at, *options.neighbours);
     else

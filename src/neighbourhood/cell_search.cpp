@@ -6,7 +6,7 @@
 namespace recon::detail {
 
 bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options) {
-  return !options.visible &&
+  return !options.visible && !std::holds_alternative<PairRadii>(rule) &&
          !(std::holds_alternative<NearestWithin>(rule) && options.shape == SupportShape::cube);
 }
 

@@ -5,6 +5,7 @@
 #include "core/instantiate.hpp"
 #include "neighbourhood/cell_search.hpp"
 #include "neighbourhood/find_with_index.hpp"
+#include "neighbourhood/pair_search.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
 
 namespace recon {
@@ -33,7 +34,9 @@ template <int D, class Scalar>
 void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets,
                      const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
                      const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list) {
-  require_valid_rule<Scalar>(rule, targets.size());  // before a search is built for it
+  // Before a search is built for it.
+  require_valid_rule<Scalar>(rule, targets.size(), index.cloud().size());
+  list.pair_support.clear();
   static_cast<void>(resolved(options.instruction_set));
   const PointCloud<Scalar>& particles = index.cloud();
   require(targets.dimension() == particles.dimension(), "dimension of the targets",
@@ -43,6 +46,10 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
   };
   const bool automatic = options.search == SearchMethod::automatic;
   if (automatic && particles.size() <= few_particles) return with(index.brute_force());
+  if (const auto* pairs = std::get_if<PairRadii>(&rule); automatic && pairs) {
+    require_valid_question(particles, targets, rule, domain);
+    return find_pairs<D>(index, targets, *pairs, domain, options, list);
+  }
   if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
       covered_by_cells(rule, options)) {
     if (!find_by_cells<D>(index, targets, rule, domain, options, automatic, in_order, list))

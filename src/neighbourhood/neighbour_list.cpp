@@ -31,17 +31,24 @@ void NeighbourList<Scalar>::validate(std::size_t target_count, std::size_t parti
           "must be 0 or the number of indices");
   require(support.size() == target_count, "number of supports", support.size(),
           "must be the number of targets");
-  for (std::size_t t = 0; t < target_count; ++t)
-    if (!(support[t] > 0) || !std::isfinite(support[t]))
-      detail::throw_invalid("support of target " + std::to_string(t), support[t],
-                            "must be positive and finite");
-  for (std::size_t t = 0; t < target_count; ++t)
-    if (support[t] * support[t] < std::numeric_limits<Scalar>::min())
-      detail::throw_invalid("support of target " + std::to_string(t), support[t],
-                            "must not be so small that its square underflows");
+  const auto require_supports = [](const Array<Scalar>& lengths, const char* whose) {
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
+      if (!(lengths[i] > 0) || !std::isfinite(lengths[i]))
+        detail::throw_invalid(whose + std::to_string(i), lengths[i], "must be positive and finite");
+      if (lengths[i] * lengths[i] < std::numeric_limits<Scalar>::min())
+        detail::throw_invalid(whose + std::to_string(i), lengths[i],
+                              "must not be so small that its square underflows");
+    }
+  };
+  require_supports(support, "support of target ");
+  require(pair_support.empty() || pair_support.size() == indices.size(), "number of pair supports",
+          pair_support.size(), "must be 0 or the number of indices");
+  require_supports(pair_support, "support of entry ");
   require(support_factor == 0 || (support_factor >= 1 && std::isfinite(support_factor)),
           "support_factor of the neighbours", support_factor,
           "must be 0, for supports that stand still, or finite and at least 1");
+  require(support_factor == 0 || pair_support.empty(), "support_factor of the neighbours",
+          support_factor, "must be 0 where pairs have supports of their own");
 }
 
 template struct NeighbourList<float>;

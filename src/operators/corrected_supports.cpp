@@ -10,10 +10,10 @@
 namespace recon::detail {
 namespace {
 
-// The rule with supports `factor` times as large, for a choice of the targets; `radii` keeps what
+// The rule with supports `factor` times as large, for a choice of the targets; `kept` holds what
 // it refers to.
 NeighbourRule enlarged(const NeighbourRule& rule, double factor,
-                       const std::vector<std::size_t>& targets, std::vector<double>& radii) {
+                       const std::vector<std::size_t>& targets, OwnRadii& kept) {
   const auto more = [factor](std::size_t k) {
     return static_cast<std::size_t>(std::ceil(static_cast<double>(k) * factor));
   };
@@ -21,9 +21,14 @@ NeighbourRule enlarged(const NeighbourRule& rule, double factor,
   if (const auto* r = std::get_if<Nearest>(&rule)) return Nearest{more(r->k), r->factor};
   if (const auto* r = std::get_if<NearestWithin>(&rule))
     return NearestWithin{more(r->k), r->radius * factor};
-  radii.clear();
-  for (const std::size_t t : targets) radii.push_back(std::get<Radii>(rule).radii[t] * factor);
-  return Radii{radii};
+  const auto* pairs = std::get_if<PairRadii>(&rule);
+  const std::span<const double> of_targets = pairs ? pairs->targets : std::get<Radii>(rule).radii;
+  kept.clear();
+  for (const std::size_t t : targets)
+    if (!of_targets.empty()) kept.targets.push_back(of_targets[t] * factor);
+  if (!pairs) return Radii{kept.targets};
+  for (const double radius : pairs->particles) kept.particles.push_back(radius * factor);
+  return PairRadii{kept.particles, kept.targets, pairs->support};
 }
 
 // The search among the particles that targets chosen[0], chosen[1], ... see.
@@ -55,7 +60,7 @@ bool FitProblem<Scalar>::grow(const NeighbourRule& rule, const NeighbourOptions&
   double factor = 1;
   for (int step = 0; step < options_.grow.steps && !missing.empty(); ++step) {
     factor *= options_.grow.factor;
-    std::vector<double> radii;
+    OwnRadii radii;
     const NeighbourOptions larger = search_of(search, missing);
     const PointCloud<Scalar> at = subset(targets_, missing);
     NeighbourList<Scalar> list;

@@ -95,6 +95,8 @@ class FarTargets {
   // of the nearest.
   Nearness<Scalar> nearness_in_list(std::size_t t, const NeighbourList<Scalar>& list, bool complete,
                                     std::vector<Scalar>& squares) const {
+    // A particle with a small support of its own may be nearer than all in the list.
+    if (!list.pair_support.empty()) return {};
     Nearness<Scalar> near;
     squares.clear();
     Scalar least = std::numeric_limits<Scalar>::infinity();

@@ -15,6 +15,10 @@ namespace {
 constexpr std::size_t targets_per_block = 256, many_per_block = 16384;
 constexpr std::size_t fewest_sorted = 512;  // below this, everything is in the cache anyway
 
+bool has_radii(const NeighbourRule& rule) {
+  return std::holds_alternative<Radii>(rule) || std::holds_alternative<PairRadii>(rule);
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -39,15 +43,10 @@ template <class Scalar>
 void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, const NeighbourRule* rule) {
   const NeighbourRule asked = rule ? *rule : rule_;
   require_dimension(targets);
-  require_valid_rule<Scalar>(asked, targets.size());
+  require_valid_rule<Scalar>(asked, targets.size(), cloud_->points().size());
   cloud_->take_targets(targets, "targets", options_.threads, incoming_);
   rule_before_ = rule_;
-  rule_ = asked;
-  if (const auto* given = std::get_if<Radii>(&asked)) {
-    if (given->radii.data() != radii_.data())
-      radii_.assign(given->radii.begin(), given->radii.end());
-    rule_ = Radii{radii_};
-  }
+  rule_ = with_kept_radii(asked);
   own_neighbours_ = false;
 }
 
@@ -75,7 +74,7 @@ void FitProblem<Scalar>::fit(Array<Scalar> values) {
 
 template <class Scalar>
 void FitProblem<Scalar>::abandon() {
-  if (!std::holds_alternative<Radii>(rule_before_)) rule_ = rule_before_;
+  if (!has_radii(rule_before_)) rule_ = rule_before_;
   targets_ = PointCloud<Scalar>();
   target_of_.clear();
   neighbours_ = {};
@@ -177,11 +176,33 @@ NeighbourOptions FitProblem<Scalar>::search_options() const {
 }
 
 template <class Scalar>
-NeighbourRule FitProblem<Scalar>::ordered_rule(std::vector<double>& radii) const {
-  if (!std::holds_alternative<Radii>(rule_) || target_of_.empty()) return rule_;
+NeighbourRule FitProblem<Scalar>::with_kept_radii(const NeighbourRule& rule) {
+  const auto keep = [](std::span<const double> given, std::vector<double>& kept) {
+    if (given.data() != kept.data()) kept.assign(given.begin(), given.end());
+  };
+  if (const auto* own = std::get_if<Radii>(&rule)) {
+    keep(own->radii, radii_.targets);
+    return Radii{radii_.targets};
+  }
+  if (const auto* pairs = std::get_if<PairRadii>(&rule)) {
+    keep(pairs->targets, radii_.targets);
+    keep(pairs->particles, radii_.particles);
+    return PairRadii{radii_.particles, radii_.targets, pairs->support};
+  }
+  return rule;
+}
+
+template <class Scalar>
+NeighbourRule FitProblem<Scalar>::ordered_rule(OwnRadii& radii) const {
+  if (!has_radii(rule_)) return rule_;
+  const auto* pairs = std::get_if<PairRadii>(&rule_);
   radii.clear();
-  for (const std::uint32_t t : target_of_) radii.push_back(radii_[t]);
-  return Radii{radii};
+  const std::size_t of_targets = pairs && pairs->targets.empty() ? 0 : targets_.size();
+  for (std::size_t t = 0; t < of_targets; ++t)
+    radii.targets.push_back(radii_.targets[caller_target(t)]);
+  if (!pairs) return Radii{radii.targets};
+  for (const std::uint32_t p : cloud_->caller_of()) radii.particles.push_back(radii_.particles[p]);
+  return PairRadii{radii.particles, radii.targets, pairs->support};
 }
 
 template <class Scalar>

@@ -19,6 +19,16 @@
 
 namespace recon::detail {
 
+// The radii that a rule refers to.
+struct OwnRadii {
+  std::vector<double> targets, particles;
+
+  void clear() {
+    targets.clear();
+    particles.clear();
+  }
+};
+
 template <class Scalar>
 class FitProblem {
  public:
@@ -66,8 +76,11 @@ class FitProblem {
 
   std::size_t caller_target(std::size_t t) const { return target_of_.empty() ? t : target_of_[t]; }
   NeighbourOptions search_options() const;
-  // The rule for the targets in this order; `radii` keeps what it refers to.
-  NeighbourRule ordered_rule(std::vector<double>& radii) const;
+  // The rule, with its radii kept here.
+  NeighbourRule with_kept_radii(const NeighbourRule& rule);
+  // The rule for the targets in this order and the places of the cloud; `radii` holds what it refers
+  // to.
+  NeighbourRule ordered_rule(OwnRadii& radii) const;
   ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
                                      const NeighbourListView<Scalar>& list) const;
   // Evaluates rows of the kernel at the targets of the pattern.
@@ -88,8 +101,8 @@ class FitProblem {
 
   std::shared_ptr<const Cloud<Scalar>> cloud_;
   Options options_;
-  NeighbourRule rule_;         // refers to radii_ where it is Radii
-  std::vector<double> radii_;  // of the caller's targets
+  NeighbourRule rule_;  // refers to radii_
+  OwnRadii radii_;      // of the caller's targets and particles
   NeighbourRule rule_before_ = Nearest{1};
   NeighbourList<Scalar> given_;  // the caller's, until fit() takes it
   std::shared_ptr<const ShapeKernel<Scalar>> kernel_;
@@ -97,7 +110,7 @@ class FitProblem {
 
   PointCloud<Scalar> incoming_, targets_;
   CountingSort sort_;
-  std::vector<double> ordered_radii_;
+  OwnRadii ordered_radii_;
   Array<std::uint32_t> target_of_;    // until make_pattern() takes it
   NeighbourList<Scalar> neighbours_;  // likewise
   Array<Scalar> values_;

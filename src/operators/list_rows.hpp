@@ -24,6 +24,7 @@ NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
   NeighbourList<Scalar> merged;
   merged.support = list.support;
   merged.support_factor = list.support_factor;
+  const bool pairs = !list.pair_support.empty();
   std::size_t next = 0;
   for (std::size_t t = 0; t < list.targets(); ++t) {
     const NeighbourList<Scalar>* from = &list;
@@ -42,6 +43,9 @@ NeighbourList<Scalar> with_rows(const NeighbourList<Scalar>& list,
     if (!from->shifts.empty())
       merged.shifts.insert(merged.shifts.end(), from->shifts.begin() + begin,
                            from->shifts.begin() + end);
+    for (std::int64_t e = begin; e < end && pairs; ++e)
+      merged.pair_support.push_back(from->pair_support.empty() ? from->support[row]
+                                                               : from->pair_support[e]);
     merged.offsets.push_back(static_cast<std::int64_t>(merged.indices.size()));
   }
   return merged;

@@ -163,6 +163,8 @@ class Kernel final : public ShapeKernel<Scalar> {
         Scalar* weights = stencil_.particle_weights();
         for (int p = 0; p < n; ++p) weights[p] = problem.particle_weights[index[p]];
       }
+      if (list.pair_support)
+        std::copy_n(list.pair_support + list.offsets[t], n, stencil_.pair_supports());
       stencil_.weigh(choice_.weight, choice_.form, slopes, list.support_factor);
     }
 
@@ -201,6 +203,7 @@ class Kernel final : public ShapeKernel<Scalar> {
     task.indices = list.indices;
     task.shifts = list.shifts;
     task.support = list.support;
+    task.pair_support = list.pair_support;
     task.support_factor = list.support_factor;
     task.particle_weights = problem.particle_weights;
     task.axis_scale = problem.axis_scale;

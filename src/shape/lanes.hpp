@@ -27,6 +27,7 @@ struct LaneTask {
   const ParticleIndex* indices = nullptr;
   const ImageShift* shifts = nullptr;  // null: none
   const Scalar* support = nullptr;
+  const Scalar* pair_support = nullptr;  // null: none
   std::array<Scalar, max_dimension> period{};
   Scalar support_factor = 0;                 // as in NeighbourList
   const Scalar* particle_weights = nullptr;  // as in ShapeProblem

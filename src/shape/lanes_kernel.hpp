@@ -76,6 +76,7 @@ class Lanes {
     stencil_.start(x, rho, most, present);
     for (int l = 0; l < lanes; ++l) gather(l, most, x);
     if (task_.particle_weights) gather_particle_weights(most);
+    if (task_.pair_support) gather_pair_supports(most);
     fetch(i + lanes);
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
@@ -131,6 +132,15 @@ class Lanes {
       const ParticleIndex* index = task_.indices + (n > 0 ? row_[l] : 0);
       for (int p = 0; p < n; ++p) weights[p * lanes + l] = task_.particle_weights[index[p]];
       for (int p = n; p < most; ++p) weights[p * lanes + l] = 0;
+    }
+  }
+
+  void gather_pair_supports(int most) {
+    Scalar* supports = stencil_.pair_supports();
+    for (int l = 0; l < lanes; ++l) {
+      const int n = count_[l];
+      for (int p = 0; p < n; ++p) supports[p * lanes + l] = task_.pair_support[row_[l] + p];
+      for (int p = n; p < most; ++p) supports[p * lanes + l] = 1;
     }
   }
 

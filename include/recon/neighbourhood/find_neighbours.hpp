@@ -5,11 +5,14 @@
 //   Radii{r}             |x_p - x| <= r[target];                      rho = r[target]
 //   Nearest{k, factor}   the k nearest particles;                     rho = factor * k-th distance
 //   NearestWithin{k, r}  the k nearest of those with |x_p - x| <= r;  rho = r
+//   PairRadii{h}         |x_p - x| <= h_p, a radius of each particle;   rho = the largest h_p
+// PairRadii also takes the mean of h_p and of a radius h_t of the target, or the larger one, as in
+// smoothed particle hydrodynamics (Monaghan 2005, sec. 2.7); its lists hold the radius of each pair.
 // With SupportShape::cube, for tensor-product weights, the support is the cube |x_p - x| <= rho on
 // every axis: Radius and Radii take all in the cube, NearestWithin the k nearest (Euclidean) in the
 // cube, and Nearest the k nearest with rho = factor * the largest distance along an axis.
 //
-// Order: Radius and Radii list by ascending (index, shift); the nearest rules by ascending
+// Order: Radius, Radii and PairRadii list by ascending (index, shift); the nearest rules by ascending
 // (distance, index, shift). The result depends neither on the search method nor on the instruction
 // set nor on the number of threads, to the bit.
 //
@@ -22,7 +25,7 @@
 // instead). All neighbours coincide with the target: rho is the distance to the nearest particle
 // that does not (images not counted), else the mean spacing (volume / particles)^(1 / axes) over
 // the axes along which the particles or the periods extend, else 1. No neighbours at all: count 0;
-// rho is r, or for Nearest the mean spacing, else 1.
+// rho is r, or for Nearest the mean spacing, else 1; for PairRadii h_t, or the largest h_p of all.
 //
 // Cost: building the search, then one query per target (per image that can reach the particles).
 // The fastest are evenly spread particles (their density may vary by a factor of 100 or so), in any
@@ -66,7 +69,14 @@ struct NearestWithin {
   constexpr NearestWithin(Count count, double support_radius)
       : k(static_cast<std::size_t>(count)), radius(support_radius) {}
 };
-using NeighbourRule = std::variant<Radius, Radii, Nearest, NearestWithin>;
+// The support radius of a pair: h_p of the particle, the mean of h_p and h_t, or the larger one.
+enum class PairSupport { particle, mean, larger };
+struct PairRadii {
+  std::span<const double> particles;  // h_p, one per particle, positive; length
+  std::span<const double> targets{};  // h_t, one per target, positive; none for `particle`
+  PairSupport support = PairSupport::particle;
+};
+using NeighbourRule = std::variant<Radius, Radii, Nearest, NearestWithin, PairRadii>;
 
 enum class SupportShape { ball, cube };
 
@@ -88,7 +98,7 @@ struct NeighbourOptions {
 };
 
 // Throws InvalidArgument for rules with values outside their range, radii that are not one per
-// target, clouds of different dimension or outside the periodic domain, and supports that need
+// target or particle, clouds of different dimension or outside the periodic domain, and supports that need
 // shifts beyond +-127. find_neighbours_with.hpp does the same with a search of your own.
 template <class Scalar>
 NeighbourList<Scalar> find_neighbours(const PointCloud<Scalar>& particles,

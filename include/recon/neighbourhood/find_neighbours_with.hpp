@@ -78,6 +78,8 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
               list.shifts.begin() + (domain.any() ? list.offsets[begin] : 0));
   });
   list.support_factor = detail::support_factor<Scalar>(rule);
+  if (const auto* pairs = std::get_if<PairRadii>(&rule))
+    detail::add_pair_supports(*pairs, options.threads, list);
   return list;
 }
 

@@ -34,12 +34,17 @@ using ImageShift = std::array<std::int8_t, max_dimension>;
 // cube: along one axis), and follows it; a target whose rho is not that one has a support that
 // stands still. Nearest{k, factor} makes lists with its factor, all other rules make lists with 0;
 // a list of your own has 0 unless you set it.
+//
+// `pair_support` is empty, or holds for each index the support radius of that pair alone (a length):
+// the weight is then w(|x_p - x| / pair_support), and `support` only the unit of length of the fit,
+// which must be of the same order. Such supports stand still: support_factor is 0.
 template <class Scalar>
 struct NeighbourList {
   Array<std::int64_t> offsets{0};
   Array<ParticleIndex> indices;
   Array<ImageShift> shifts;
   Array<Scalar> support;
+  Array<Scalar> pair_support;
   Scalar support_factor = 0;
 
   std::size_t targets() const { return offsets.size() - 1; }
@@ -50,8 +55,8 @@ struct NeighbourList {
 
   // Throws InvalidArgument unless the list is one for `target_count` targets among `particle_count`
   // particles: offsets start at 0, never fall and end at the number of indices; every index is
-  // smaller than particle_count; shifts are absent or one per index; supports are positive
-  // and finite; support_factor is 0, or finite and at least 1.
+  // smaller than particle_count; shifts and pair supports are absent or one per index; supports are
+  // positive and finite; support_factor is 0, or without pair supports finite and at least 1.
   void validate(std::size_t target_count, std::size_t particle_count) const;
 };
 
@@ -62,6 +67,7 @@ struct NeighbourListView {
   const ParticleIndex* indices = nullptr;
   const ImageShift* shifts = nullptr;
   const Scalar* support = nullptr;
+  const Scalar* pair_support = nullptr;  // null: that of the target
   Scalar support_factor = 0;
 
   NeighbourListView() = default;
@@ -70,6 +76,7 @@ struct NeighbourListView {
         indices(list.indices.data()),
         shifts(list.shifts.empty() ? nullptr : list.shifts.data()),
         support(list.support.data()),
+        pair_support(list.pair_support.empty() ? nullptr : list.pair_support.data()),
         support_factor(list.support_factor) {}
 
   std::int64_t count(std::size_t target) const { return offsets[target + 1] - offsets[target]; }

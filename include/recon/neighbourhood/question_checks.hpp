@@ -20,9 +20,10 @@ inline void require_count(std::size_t k) {
   require(k <= 0xFFFFFFFFu, "k", static_cast<std::int64_t>(k), "must be from 1 to 2^32 - 1");
 }
 
-// Throws InvalidArgument for values outside their range; `targets` is the number of targets.
+// Throws InvalidArgument for values outside their range and numbers of radii that are not those of
+// the targets and particles.
 template <class Scalar>
-void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
+void require_valid_rule(const NeighbourRule& rule, std::size_t targets, std::size_t particles) {
   const auto positive = [](double length) {  // in the scalar type of the points
     const auto rounded = static_cast<Scalar>(length);
     return rounded > 0 && std::isfinite(rounded) &&
@@ -30,14 +31,28 @@ void require_valid_rule(const NeighbourRule& rule, std::size_t targets) {
   };
   const char* const length_rule =
       "must be positive and finite, and not so small that its square underflows";
+  const auto require_radii = [&](std::span<const double> radii, const char* of, const char* one,
+                                 std::size_t number, const char* number_rule) {
+    require(radii.size() == number, of, radii.size(), number_rule);
+    for (std::size_t i = 0; i < number; ++i)
+      if (!positive(radii[i])) throw_invalid(one + std::to_string(i), radii[i], length_rule);
+  };
   if (const auto* radius = std::get_if<Radius>(&rule)) {
     require(positive(radius->radius), "radius", radius->radius, length_rule);
   } else if (const auto* radii = std::get_if<Radii>(&rule)) {
-    require(radii->radii.size() == targets, "number of radii", radii->radii.size(),
-            "must be the number of targets");
-    for (std::size_t t = 0; t < targets; ++t)
-      if (!positive(radii->radii[t]))
-        throw_invalid("radius of target " + std::to_string(t), radii->radii[t], length_rule);
+    require_radii(radii->radii, "number of radii", "radius of target ", targets,
+                  "must be the number of targets");
+  } else if (const auto* pairs = std::get_if<PairRadii>(&rule)) {
+    require(pairs->support >= PairSupport::particle && pairs->support <= PairSupport::larger,
+            "support of pairs", static_cast<int>(pairs->support),
+            "must be an enumerator of recon::PairSupport");
+    require_radii(pairs->particles, "number of radii of particles", "radius of particle ",
+                  particles, "must be the number of particles");
+    const bool symmetric = pairs->support != PairSupport::particle;
+    require_radii(pairs->targets, "number of radii of targets", "radius of target ",
+                  symmetric ? targets : 0,
+                  symmetric ? "must be the number of targets"
+                            : "must be 0 where pairs have the support of the particle");
   } else if (const auto* nearest = std::get_if<Nearest>(&rule)) {
     require_count(nearest->k);
     require(nearest->factor > 1 && std::isfinite(nearest->factor), "factor", nearest->factor,
@@ -64,7 +79,7 @@ void require_valid_question(const PointCloud<Scalar>& particles, const PointClou
                             const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain) {
   require(targets.dimension() == particles.dimension(), "dimension of the targets",
           targets.dimension(), "must be the dimension of the particles");
-  require_valid_rule<Scalar>(rule, targets.size());
+  require_valid_rule<Scalar>(rule, targets.size(), particles.size());
   domain.validate(particles.dimension());
   // Where all squared distances underflow, none is the nearest.
   Scalar extent = 0;

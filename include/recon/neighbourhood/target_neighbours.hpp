@@ -9,6 +9,7 @@
 
 #include "recon/core/error.hpp"
 #include "recon/neighbourhood/find_neighbours.hpp"
+#include "recon/neighbourhood/pair_supports.hpp"
 #include "recon/neighbourhood/periodic_images.hpp"
 #include "recon/neighbourhood/search.hpp"
 
@@ -49,6 +50,23 @@ class TargetNeighbours {
   }
   Scalar find(std::size_t target, const Radii& rule) {
     return all_within(target, static_cast<Scalar>(rule.radii[target]));
+  }
+  // By going through all within the largest radius: for searches that know the particles only.
+  Scalar find(std::size_t target, const PairRadii& rule) {
+    if (!(largest_radius_ > 0) && !rule.particles.empty()) {
+      largest_radius_ = *std::max_element(rule.particles.begin(), rule.particles.end());
+      for (const double radius : rule.targets) largest_radius_ = std::max(largest_radius_, radius);
+    }
+    all_within(target, static_cast<Scalar>(largest_radius_));
+    std::erase_if(entries_, [&](const Entry& entry) {
+      const Scalar rho = pair_radius<Scalar>(rule, target, entry.index);
+      if (!cube_) return !(entry.distance2 <= rho * rho);
+      Point x = x_;
+      for (int d = 0; d < D; ++d)
+        if (domain_.periodic[d]) x[d] -= static_cast<Scalar>(entry.shift[d]) * domain_.period(d);
+      return !in_cube(x, entry.index, rho);
+    });
+    return static_cast<Scalar>(largest_radius_);
   }
   Scalar find(std::size_t target, const NearestWithin& rule) {
     const auto rho = static_cast<Scalar>(rule.radius);
@@ -215,6 +233,7 @@ class TargetNeighbours {
   const NeighbourOptions& options_;
   const Scalar spacing_;
   const bool cube_;
+  double largest_radius_ = 0;     // of PairRadii
   Scalar cube_limit_ = infinity;  // half edge of the cube that the k nearest must lie in
   std::size_t target_ = 0;
   Point x_{};

@@ -53,9 +53,9 @@ struct Options {
   // `domain` are. They belong to the particles: calls that take Sources have them from there, and
   // throw InvalidArgument where they are said here.
   std::span<const double> particle_weights{};
-  // Radius{rho}, Radii{per target}, Nearest{k, factor} or NearestWithin{k, rho}; lengths. The
-  // support of Nearest moves with the k-th neighbour, and exact gradients with it; all others, and
-  // those of a list of your own unless it says otherwise, stand still
+  // Radius{rho}, Radii{per target}, Nearest{k, factor}, NearestWithin{k, rho} or PairRadii{per
+  // particle}; lengths. The support of Nearest moves with the k-th neighbour, and exact gradients
+  // with it; all others, and those of a list of your own unless it says otherwise, stand still
   // (NeighbourList::support_factor).
   std::optional<NeighbourRule> neighbours{};
   std::optional<Solver> solver{};

@@ -2,6 +2,7 @@
 //
 //     xi = (x_p - x) / rho,   radial: w = w(|xi|),   tensor product: w = prod_d w(|xi_d|),
 //     d w / d x = -(sum_d dw/dxi_d (e_d + xi_d grad rho)) / rho .
+// Where a pair has a support rho_p of its own, w is that of |xi| rho / rho_p.
 // With particle weights m_p, w and its derivatives are multiplied by them. Weights are divided by
 // the largest, so that a fit does not see their scale. The arrays are kept from target to target:
 // nothing is allocated once warm. Use one object per thread.
@@ -41,7 +42,7 @@ class Stencil {
     for (int d = 0; d < D; ++d) size = detail::larger(T(abs(x[d])), size);
     noise_ = T(std::numeric_limits<Scalar>::epsilon()) * (size + rho) / rho;
     w_.resize(count);
-    weighs_particles_ = false;
+    weighs_particles_ = has_pair_supports_ = false;
     for (int d = 0; d < D; ++d)
       for (auto* array : {&xi_[d], &q_[d], &factor_[d], &slope_[d], &dw_[d]}) array->resize(count);
   }
@@ -58,6 +59,15 @@ class Stencil {
     return reinterpret_cast<Scalar*>(particle_weight_.data());
   }
 
+  // The caller fills in the supports rho_p > 0 of the pairs, laid out as offsets(), and any positive
+  // number for neighbours that a lane does not have. Called only where pairs have supports of their
+  // own, and before weigh().
+  Scalar* pair_supports() {
+    has_pair_supports_ = true;
+    pair_ratio_.resize(count_);
+    return reinterpret_cast<Scalar*>(pair_ratio_.data());
+  }
+
   // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose
   // weight is not above eps^2 of the largest: those change nothing in working precision.
   // weights.evaluate(q, w, slope, n) takes arrays of T. support_factor is that of NeighbourList.
@@ -72,6 +82,7 @@ class Stencil {
       for (int d = 0; d < D; ++d)
         for (T& offset : xi_[d]) offset *= inverse;
     }
+    for (int p = 0; has_pair_supports_ && p < count_; ++p) pair_ratio_[p] = rho_ / pair_ratio_[p];
     evaluate_weights(weights, form, slopes);
     if (slopes) differentiate(form, support_factor);
     if (weighs_particles_) multiply_by_particle_weights(slopes);
@@ -109,15 +120,18 @@ class Stencil {
         for (int d = 1; d < D; ++d) q2 += xi_[d][p] * xi_[d][p];
         q_[0][p] = within_support(p, T(sqrt(q2)));
       }
+      stretch(q_[0]);
       weights.evaluate(q_[0].data(), w_.data(), slopes ? slope_[0].data() : nullptr, count_);
       for (int p = 0; slopes && p < count_; ++p) {
         const auto apart = q_[0][p] > T(0);
-        const T along = slope_[0][p] / detail::select(apart, q_[0][p], T(1));
+        T along = slope_[0][p] / detail::select(apart, q_[0][p], T(1));
+        if (has_pair_supports_) along *= pair_ratio_[p] * pair_ratio_[p];
         for (int d = 0; d < D; ++d) dw_[d][p] = detail::select(apart, T(along * xi_[d][p]), T(0));
       }
     } else {
       for (int d = 0; d < D; ++d) {
         for (int p = 0; p < count_; ++p) q_[d][p] = within_support(p, T(abs(xi_[d][p])));
+        stretch(q_[d]);
         weights.evaluate(q_[d].data(), factor_[d].data(), slopes ? slope_[d].data() : nullptr,
                          count_);
       }
@@ -128,11 +142,18 @@ class Stencil {
       for (int d = 0; slopes && d < D; ++d)
         for (int p = 0; p < count_; ++p) {
           T others = slope_[d][p];
+          if (has_pair_supports_) others *= pair_ratio_[p];
           for (int e = 0; e < D; ++e)
             if (e != d) others *= factor_[e][p];
           dw_[d][p] = sign(xi_[d][p]) * others;
         }
     }
+  }
+
+  // From distances in units of rho to those in units of the pairs' supports.
+  void stretch(std::vector<T>& q) const {
+    for (int p = 0; has_pair_supports_ && p < count_; ++p)
+      q[p] = within_support(p, detail::select(q[p] > T(0), T(q[p] * pair_ratio_[p]), T(0)));
   }
 
   // q; but 1 for particles that a lane does not have: they get weight 0 and are never
@@ -244,8 +265,8 @@ class Stencil {
   int count_ = 0;
   T present_ = T(0), weighted_ = T(0), rho_ = T(1), noise_ = T(0);
   std::array<std::vector<T>, D> xi_, q_, factor_, slope_, dw_;
-  std::vector<T> w_, particle_weight_;
-  bool weighs_particles_ = false;
+  std::vector<T> w_, particle_weight_, pair_ratio_;
+  bool weighs_particles_ = false, has_pair_supports_ = false;
   std::vector<int> place_;
 };
 
