@@ -6,6 +6,7 @@
 #include "neighbourhood/all_targets.hpp"
 #include "neighbourhood/find_with_index.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/neighbourhood/question_checks.hpp"
 
 namespace recon {
 
@@ -192,8 +193,15 @@ template <class Scalar>
 void Cloud<Scalar>::find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
                          const NeighbourOptions& options, bool in_order,
                          NeighbourList<Scalar>& list) const {
+  NeighbourRule of_places = rule;
+  std::vector<double> radii;
+  if (auto* pairs = std::get_if<PairRadii>(&of_places)) {
+    require_valid_rule<Scalar>(rule, targets.size(), points_.size());
+    for (const std::uint32_t p : caller_of_) radii.push_back(pairs->particles[p]);
+    pairs->particles = radii;
+  }
   with_kept([&](auto& kept) {
-    find_with_index(kept.index, targets, rule, domain_, options, in_order, list);
+    find_with_index(kept.index, targets, of_places, domain_, options, in_order, list);
   });
 }
 

@@ -54,7 +54,7 @@ class Cloud {
   void order(const PointCloud<Scalar>& targets, int threads, CountingSort& sort) const;
 
   // Neighbours in numbers of places, of targets in the coordinates of the cloud; see
-  // find_with_index().
+  // find_with_index(). The rule speaks of the caller's particles.
   void find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
             const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list) const;
   // Gives back the memory that searches keep for the next one.

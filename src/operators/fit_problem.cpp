@@ -193,16 +193,14 @@ NeighbourRule FitProblem<Scalar>::with_kept_radii(const NeighbourRule& rule) {
 }
 
 template <class Scalar>
-NeighbourRule FitProblem<Scalar>::ordered_rule(OwnRadii& radii) const {
+NeighbourRule FitProblem<Scalar>::ordered_rule(std::vector<double>& radii) const {
   if (!has_radii(rule_)) return rule_;
   const auto* pairs = std::get_if<PairRadii>(&rule_);
   radii.clear();
   const std::size_t of_targets = pairs && pairs->targets.empty() ? 0 : targets_.size();
-  for (std::size_t t = 0; t < of_targets; ++t)
-    radii.targets.push_back(radii_.targets[caller_target(t)]);
-  if (!pairs) return Radii{radii.targets};
-  for (const std::uint32_t p : cloud_->caller_of()) radii.particles.push_back(radii_.particles[p]);
-  return PairRadii{radii.particles, radii.targets, pairs->support};
+  for (std::size_t t = 0; t < of_targets; ++t) radii.push_back(radii_.targets[caller_target(t)]);
+  if (!pairs) return Radii{radii};
+  return PairRadii{radii_.particles, radii, pairs->support};
 }
 
 template <class Scalar>

@@ -78,9 +78,8 @@ class FitProblem {
   NeighbourOptions search_options() const;
   // The rule, with its radii kept here.
   NeighbourRule with_kept_radii(const NeighbourRule& rule);
-  // The rule for the targets in this order and the places of the cloud; `radii` holds what it refers
-  // to.
-  NeighbourRule ordered_rule(OwnRadii& radii) const;
+  // The rule for the targets in this order; `radii` keeps what it refers to.
+  NeighbourRule ordered_rule(std::vector<double>& radii) const;
   ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
                                      const NeighbourListView<Scalar>& list) const;
   // Evaluates rows of the kernel at the targets of the pattern.
@@ -110,7 +109,7 @@ class FitProblem {
 
   PointCloud<Scalar> incoming_, targets_;
   CountingSort sort_;
-  OwnRadii ordered_radii_;
+  std::vector<double> ordered_radii_;
   Array<std::uint32_t> target_of_;    // until make_pattern() takes it
   NeighbourList<Scalar> neighbours_;  // likewise
   Array<Scalar> values_;

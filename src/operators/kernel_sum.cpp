@@ -75,17 +75,21 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
           const std::int64_t first = list.offsets[t];
           const auto count = static_cast<std::size_t>(list.count(t));
           Scalar* const w = values.data() + first;
-          const Scalar norm = norm_of(unit, list.support[t], dimension, t);
+          const Scalar* const of_pairs =
+              list.pair_support.empty() ? nullptr : list.pair_support.data() + first;
+          const auto rho = [&](std::size_t i) { return of_pairs ? of_pairs[i] : list.support[t]; };
           // Radial: q is |x_p - x| / rho; tensor product: one factor for each axis.
           q.assign(count, Scalar(0));
-          std::fill_n(w, count, norm);
+          std::fill_n(w, count, norm_of(unit, list.support[t], dimension, t));
+          for (std::size_t i = 0; of_pairs && i < count; ++i)
+            w[i] = norm_of(unit, of_pairs[i], dimension, t);
           for (int d = 0; d < dimension; ++d) {
             for (std::size_t i = 0; i < count; ++i) {
               const std::size_t e = static_cast<std::size_t>(first) + i;
               Scalar along = particles(list.indices[e], d) - targets(t, d);
               if (!list.shifts.empty())
                 along += static_cast<Scalar>(list.shifts[e][d]) * cloud.domain().period(d);
-              along /= list.support[t];
+              along /= rho(i);
               q[i] = radial ? q[i] + along * along : std::abs(along);
             }
             if (radial) continue;

@@ -229,6 +229,8 @@ class Product {
   }
 
  private:
+  static constexpr int any = 0;  // a number of blocks that is known at run time only
+
   template <int B>
   void rows_of(std::size_t begin, std::size_t end) const {
     if (!SideBySide<Scalar>::reads(field_))
@@ -247,14 +249,17 @@ class Product {
   void rows_of_any(std::size_t begin, std::size_t end) const {
     std::vector<Scalar> sums(static_cast<std::size_t>(components_ * blocks_));
     for (std::size_t row = begin; row < end; ++row) {
-      const std::int64_t first = offsets_[row], last = offsets_[row + 1];
-      for (int i = 0; i < components_ * blocks_; ++i)
-        sums[i] = sum_of<Scalar>(last - first, [&](std::int64_t e) {
-          return values_[(first + e) * blocks_ + i % blocks_] *
-                 field_(index_[first + e], i / blocks_);
-        });
-      finish(row, sums.data(), components_ * blocks_);
+      sums_of_any(values_, index_, offsets_[row], offsets_[row + 1], field_, sums.data());
+      finish<any>(row, sums.data());
     }
+  }
+
+  void sums_of_any(const Scalar* values, const ParticleIndex* index, std::int64_t first,
+                   std::int64_t last, const FieldView<Scalar>& field, Scalar* sums) const {
+    for (int i = 0; i < components_ * blocks_; ++i)
+      sums[i] = sum_of<Scalar>(last - first, [&](std::int64_t e) {
+        return values[(first + e) * blocks_ + i % blocks_] * field(index[first + e], i / blocks_);
+      });
   }
 
   template <int B, int C>
@@ -337,7 +342,7 @@ class Product {
 
   template <int B>
   void finish(std::size_t row, Scalar* sums) const {
-    const int width = components_ * B;
+    const int width = components_ * (B == any ? blocks_ : B);
     const std::size_t t = pattern_.target(row);
     if (!trusted_ && !all_finite(sums, width)) [[unlikely]]
       mend<B>(row, t, sums);
@@ -352,13 +357,14 @@ class Product {
   // finite then has left the range of numbers on its way.
   template <int B>
   [[gnu::noinline]] void mend(std::size_t row, std::size_t t, Scalar* sums) const {
-    const Scalar* const values = values_ + offsets_[row] * B;
+    const int blocks = B == any ? blocks_ : B;
+    const Scalar* const values = values_ + offsets_[row] * blocks;
     const std::int64_t count = offsets_[row + 1] - offsets_[row];
     std::vector<Scalar> in;
     std::vector<ParticleIndex> place;
     for (std::int64_t e = 0; e < count; ++e) {
       const ParticleIndex particle = index_[offsets_[row] + e];
-      const bool needed = std::any_of(values + e * B, values + (e + 1) * B,
+      const bool needed = std::any_of(values + e * blocks, values + (e + 1) * blocks,
                                       [](Scalar value) { return value != 0; });
       for (int c = 0; c < components_; ++c) {
         const Scalar value = field_(particle, c);
@@ -371,11 +377,14 @@ class Product {
     constexpr auto size = static_cast<std::ptrdiff_t>(sizeof(Scalar));
     const FieldView<Scalar> row_field(static_cast<std::size_t>(count), components_, in.data(),
                                       components_ * size, size);
-    sums_of<B, SideBySide<Scalar>>(values, place.data(), 0, count, row_field, sums);
-    mend_overflow(sums, components_ * B, "target ", t, [&](int i) {
+    if constexpr (B == any)
+      sums_of_any(values, place.data(), 0, count, row_field, sums);
+    else
+      sums_of<B, SideBySide<Scalar>>(values, place.data(), 0, count, row_field, sums);
+    mend_overflow(sums, components_ * blocks, "target ", t, [&](int i) {
       return scaled_sum_of_products<Scalar>(
-          count, [&](std::int64_t e) { return values[e * B + i % B]; },
-          [&](std::int64_t e) { return row_field(static_cast<std::size_t>(e), i / B); });
+          count, [&](std::int64_t e) { return values[e * blocks + i % blocks]; },
+          [&](std::int64_t e) { return row_field(static_cast<std::size_t>(e), i / blocks); });
     });
   }
 

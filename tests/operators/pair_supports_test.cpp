@@ -1,6 +1,7 @@
 // Fits whose weights have a support radius for each pair: that of the particle, the mean, the larger.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "recon/recon.hpp"
@@ -211,6 +212,51 @@ TEST(PairSupportPattern, HoldsWhateverElseIsAsked) {
             }).find("number of radii of particles = 1999"),
             std::string::npos);
   expect_same(fit, reconstruct(points_of(points), points_of(targets), alone));
+}
+
+// With a radius for each particle the integral over all space is the sum of the amounts: here over
+// nodes so close that the smallest kernel spans thirty of them.
+TEST(PairSupportSums, IntegrateToTheAmounts) {
+  const auto points = random_points<double, 2>(40, 21);
+  const auto radii = radii_between(40, 0.15, 0.6, 22), mass = radii_between(40, 0.5, 2, 23);
+  StructuredGrid<double> grid;
+  grid.dimension = 2;
+  grid.counts = {230, 230, 1};
+  grid.spacing = {0.01, 0.01, 1};
+  grid.origin = {-0.65, -0.65, 0};
+  const auto nodes = grid.nodes();
+  const Sources sources(points_of(points));
+  double whole = 0;
+  for (const double m : mass) whole += m;
+  for (const WeightForm form : all_forms) {
+    const auto density =
+        kernel_operator<double>(sources, nodes.view(), {.form = form, .support = PairRadii{radii}})
+            .apply(field_of(mass));
+    EXPECT_NEAR(density.sum() * 1e-4, whole, 1e-5 * whole);
+  }
+}
+
+// Searches among Sources speak of the caller's particles, as those among points do.
+TEST(PairSupportSums, SourcesHaveTheNumbersOfTheCaller) {
+  const auto points = random_points<double, 3>(500, 24);
+  const auto radii = radii_between(500, 0.05, 0.4, 25);
+  const Sources sources(points_of(points));
+  const NeighbourRule rule = PairRadii{radii};
+  const auto by_sources = find_neighbours(sources, points_of(points), rule);
+  const auto cloud = cloud_of(points);
+  const auto by_points = find_neighbours(cloud, cloud, rule);
+  ASSERT_EQ(by_sources.indices.size(), by_points.indices.size());
+  for (std::size_t t = 0; t < 500; ++t) {
+    std::vector<std::pair<ParticleIndex, double>> a, b;
+    for (std::int64_t e = by_sources.offsets[t]; e < by_sources.offsets[t + 1]; ++e)
+      a.push_back({by_sources.indices[e], by_sources.pair_support[e]});
+    for (std::int64_t e = by_points.offsets[t]; e < by_points.offsets[t + 1]; ++e)
+      b.push_back({by_points.indices[e], by_points.pair_support[e]});
+    std::sort(a.begin(), a.end());
+    std::sort(b.begin(), b.end());
+    EXPECT_EQ(a, b);
+    for (const auto& [particle, support] : a) EXPECT_EQ(support, radii[particle]);
+  }
 }
 
 }  // namespace

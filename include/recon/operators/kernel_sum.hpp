@@ -1,14 +1,15 @@
 // Sums over kernels: how much of something lies at a place, per volume.
 //
-//     s(x) = sum_p a_p W(x - x_p) ,   W = w(q) / (c rho^D) ,
+//     s(x) = sum_p a_p W(x - x_p) ,   W = w(q) / (c rho^D) ,   q = |x - x_p| / rho ,
 //     c = integral of w over the unit support ,
 //
 // with the amounts a_p of the particles (mass: the density; 1: the number density; volume: the
-// solid fraction), a weight w and the support radius rho of the target, a length (Lucy 1977;
-// Gingold, Monaghan 1977). W has a unit integral, so the integral of s over all space is the sum of
-// the amounts where all targets have the same rho. Images across periodic borders count. Near a
-// wall or a free surface part of the support is empty, and s falls off over one support radius; it
-// is not divided by the part that is filled: that is reconstruct() with degree 0.
+// solid fraction), a weight w and the support radius rho of the target or the pair, a length (Lucy
+// 1977; Gingold, Monaghan 1977). W has a unit integral, so the integral of s over all space is the
+// sum of the amounts where all targets have the same rho, or each particle its own. Images across
+// periodic borders count. Near a wall or a free surface part of the support is empty, and s falls
+// off over one support radius; it is not divided by the part that is filled: that is reconstruct()
+// with degree 0.
 //
 // 1 / (c rho^D) must be a normal number of the precision, so that no digit is lost: in 3-D for rho
 // from about 1e-12 to 1e12 in float, and from 1e-102 to 1e102 in double.
@@ -28,8 +29,10 @@ struct KernelOptions {
   WeightFunction weight = Weight::cubic_b_spline;
   // tensor_product: w = prod_d w(|x_p - x|_d / rho), the support a cube.
   WeightForm form = WeightForm::radial;
-  // Radius{rho} or Radii{per target}. Nearest and NearestWithin give each target the support that a
-  // reconstruction with that rule has; all particles in it count, not only the k nearest.
+  // Radius{rho}, Radii{per target} or PairRadii: with radii of the particles the density of smoothed
+  // particle hydrodynamics in its scatter form. Nearest and NearestWithin give each target the
+  // support that a reconstruction with that rule has; all particles in it count, not only the k
+  // nearest.
   NeighbourRule support = Nearest{20};
   SearchMethod search = SearchMethod::automatic;
   int threads = 0;  // 0: default_threads(); the results do not depend on it
