@@ -14,8 +14,13 @@ README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 TESTS = {
     "NaN or infinity in a coordinate, or in a field where a target needs it":
         ["operators.Fields.NumbersThatAreNotFiniteAreNamed", "operators.Fields.NumbersThatNoTargetNeedsDoNotMatter",
+         "operators.UnneededData.OnTheBorderOfASupportMayBeAnything",
          "operators.Reconstruct.BadInputIsNamed", "grid.GridInput.BadInputIsNamed",
          "fields.ParticleTable.NanIsNeverHandedOut", "io.Lammps.NanIsReportedWhenUsed"],
+    "a point, domain or field of `scatter` and `gather` that is not finite":
+        ["transfer.Transfer.RefusesDomainsBeforeAnythingIsWritten", "transfer.TransferData.AmountsThatAreNotFiniteAreNamed",
+         "transfer.TransferData.NodalDataThatAreNotFiniteAreNamedWhereTheyAreSeen",
+         "transfer.TransferData.FieldsAreCheckedBeforeAnythingIsWritten"],
     "sizes that disagree, a negative radius, an unknown name":
         ["operators.Reconstruct.BadInputIsNamed", "neighbourhood.NeighbourRules.WrongValuesAreNamed",
          "core.Names.SuggestsTheNearestOrListsAll", "programs.MistakesTest.MisspeltNames"],
@@ -71,6 +76,15 @@ TESTS = {
          "programs.MapTest.WithoutSupport"],
     "a nearly singular moment matrix":
         ["operators.PeerFailures.SingularMomentMatrixIsNoticed"],
+    "an operator scaled or added beyond the largest number":
+        ["operators.OperatorArithmetic.RefusesEntriesThatOverflow"],
+    "a fit, operator or report of `Sources` that have been updated":
+        ["operators.Sources.WhatWasMadeBeforeAnUpdateIsRefused"],
+    "a grid whose neighbouring nodes would coincide, or that has no cells":
+        ["points.StructuredGrids.NeighbouringNodesHavePlacesOfTheirOwn",
+         "transfer.GridErrors.NeighbouringNodesHavePlacesOfTheirOwn", "transfer.GridErrors.AGridWithoutCellsIsNamed"],
+    "a kernel sum with a radius whose 1/rho^D is no normal number":
+        ["operators.KernelSums.KeepTheirDigitsOrNameTheRadius"],
     "a support smaller than the grid's spacing in a kernel sum":
         ["programs.MapTest.SumsAreCompared"],
     "a condition with an unknown column, an assignment, or `0 < x < 5`":

@@ -12,6 +12,7 @@
 #include "recon/operators/kernel_sum.hpp"
 #include "recon/recon.hpp"
 #include "recon/transfer/cartesian_grid.hpp"
+#include "recon/transfer/scatter.hpp"
 #ifdef SAMPLES_OF_MPM
 #include "recon/mpm/problem.hpp"
 #include "recon/mpm/simulation.hpp"
