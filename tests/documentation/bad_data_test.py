@@ -76,6 +76,14 @@ TESTS = {
          "programs.MapTest.WithoutSupport"],
     "a nearly singular moment matrix":
         ["operators.PeerFailures.SingularMomentMatrixIsNoticed"],
+    "particles near a curve or a thin bowl, degree 2 or more":
+        ["operators.RandomClouds.HessiansOfQuadraticsAreRightOrNone", "operators.ThinClouds.HessianOfAlmostFlatBowls"],
+    "a functional of your own that gives NaN or leaves a number unwritten":
+        ["operators.OwnFunctionalOptions.MistakesAreNamed"],
+    "an option that sums over the cells of a grid cannot honour":
+        ["grid.GridMomentsRefuse.WhatGoesByLists", "grid.GridByLists.EveryOptionIsHonouredInEveryPart"],
+    "a search that recon was built without":
+        ["consumer.without_trees"],
     "an operator scaled or added beyond the largest number":
         ["operators.OperatorArithmetic.RefusesEntriesThatOverflow"],
     "a fit, operator or report of `Sources` that have been updated":
