@@ -25,12 +25,19 @@ template <class Scalar>
 FitProblem<Scalar>::FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const Options& options)
     : cloud_(std::move(cloud)),
       options_(options.for_points(dimension())),
-      rule_(*options_.neighbours) {
+      rule_(with_kept_radii(*options_.neighbours)) {
   options_.particle_weights = {};  // the cloud has its own
   options_.neighbours.reset();     // rule_ is what holds
   kernel_ = make_shape_kernel<Scalar>(
       dimension(), {options.degree, options.weight, *options_.form, *options_.solver,
                     options.tolerances, resolved(options.instruction_set)});
+}
+
+template <class Scalar>
+std::shared_ptr<FitProblem<Scalar>> FitProblem<Scalar>::another() const {
+  Options same = options_;
+  same.neighbours = rule_;
+  return std::make_shared<FitProblem>(cloud_, same);
 }
 
 template <class Scalar>

@@ -35,6 +35,9 @@ class FitProblem {
   // Throws InvalidArgument for options outside their range.
   FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const Options& options);
 
+  // One of the same cloud and choices, the latest rule among them, without targets.
+  std::shared_ptr<FitProblem> another() const;
+
   // Takes the targets, and with them a rule that replaces that of the options for good, or
   // neighbours of the caller's. Throws InvalidArgument for what is wrong with them, and then leaves
   // all as it was.
@@ -50,7 +53,6 @@ class FitProblem {
 
   const Options& options() const { return options_; }
   bool has_own_neighbours() const { return own_neighbours_; }
-  const std::shared_ptr<const Cloud<Scalar>>& shared_cloud() const { return cloud_; }
   int dimension() const { return cloud_->points().dimension(); }
 
   // The results of the latest fit.
@@ -100,8 +102,8 @@ class FitProblem {
 
   std::shared_ptr<const Cloud<Scalar>> cloud_;
   Options options_;
-  NeighbourRule rule_;  // refers to radii_
   OwnRadii radii_;      // of the caller's targets and particles
+  NeighbourRule rule_;  // refers to radii_
   NeighbourRule rule_before_ = Nearest{1};
   NeighbourList<Scalar> given_;  // the caller's, until fit() takes it
   std::shared_ptr<const ShapeKernel<Scalar>> kernel_;

@@ -98,8 +98,7 @@ void BasicReconstruction<Scalar>::fit(const PointsView<Scalar>& targets,
                                       Neighbours&&... neighbours) {
   // A copy of this reconstruction keeps what it has.
   const bool alone = problem_.use_count() == 1;
-  const auto problem =
-      alone ? problem_ : std::make_shared<Problem>(problem_->shared_cloud(), problem_->options());
+  const auto problem = alone ? problem_ : problem_->another();
   problem->take(targets, std::forward<Neighbours>(neighbours)...);
   problem_ = problem;
   const auto take_values = [this] {

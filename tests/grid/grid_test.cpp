@@ -250,7 +250,7 @@ TEST(GridInput, BadInputIsNamed) {
   EXPECT_THAT(run({.weight = Weight::gaussian}), HasSubstr("no natural support"));
   EXPECT_THAT(run({.neighbours = Radius{-1}}), HasSubstr("radius = -1"));
   EXPECT_THAT(run({.neighbours = Radius{std::nan("")}}), HasSubstr("radius = "));
-  EXPECT_THAT(run({.stretch = {0, 1, 1}}), HasSubstr("stretch = 0"));
+  EXPECT_THAT(run({.stretch = {0, 1, 1}}), HasSubstr("stretch along x = 0"));
   u.pop_back();
   EXPECT_THAT(run(), HasSubstr("size of the field"));
   u.push_back(1);

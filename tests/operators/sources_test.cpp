@@ -206,15 +206,26 @@ TEST(Sources, WhatWasMadeBeforeAnUpdateIsRefused) {
 TEST(Sources, CopiesOfAReconstructionKeepWhatTheyHave) {
   const auto points = random_points<double, 2>(600, 1), others = random_points<double, 2>(650, 2);
   const Sources sources(points_of(points));
-  Reconstruction fit = reconstruct(sources, points_of(points));
-  const Reconstruction kept = fit;
-  const CsrOperator<double> values = fit.values();
-  fit.update(points_of(others));
-  expect_same_bits(kept, reconstruct(sources, points_of(points)), 600, "the copy");
-  expect_same_bits(fit, reconstruct(sources, points_of(others)), 600, "the updated one");
-  EXPECT_EQ(values.rows(), 600u);
-  const auto u = numbers(600, 3);
-  EXPECT_EQ(values.apply(field_of(u)), kept.apply(field_of(u)));
+  for (const NeighbourRule& rule : {NeighbourRule(Nearest{11}), NeighbourRule(Radius{0.15})}) {
+    Reconstruction fit = reconstruct(sources, points_of(points), {.neighbours = rule});
+    const Reconstruction kept = fit;
+    const CsrOperator<double> values = fit.values();
+    fit.update(points_of(others));
+    const Options same{.neighbours = rule};
+    expect_same_bits(kept, reconstruct(sources, points_of(points), same), 600, "the copy");
+    expect_same_bits(fit, reconstruct(sources, points_of(others), same), 600, "the updated one");
+    EXPECT_EQ(values.rows(), 600u);
+    const auto u = numbers(600, 3);
+    EXPECT_EQ(values.apply(field_of(u)), kept.apply(field_of(u)));
+    // A rule that came with an update holds for the copies made after it.
+    fit.update(points_of(points), Radius{0.2});
+    const Reconstruction another = fit;
+    fit.update(points_of(others));
+    expect_same_bits(fit, reconstruct(sources, points_of(others), {.neighbours = Radius{0.2}}), 600,
+                     "with the later rule");
+    expect_same_bits(another, reconstruct(sources, points_of(points), {.neighbours = Radius{0.2}}),
+                     600, "its copy");
+  }
 }
 
 TEST(Sources, RefusedInputChangesNothing) {
