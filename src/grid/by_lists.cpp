@@ -1,9 +1,11 @@
 #include "grid/by_lists.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <string>
 
+#include "recon/core/progress.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
 #include "recon/operators/reconstruct.hpp"
 
@@ -98,10 +100,21 @@ BasicGridReconstruction<Scalar> by_lists(const BasicSources<Scalar>& sources,
   LimitCount limited;
   if (apply.limit != Limit::none) limited.components.assign(nodes, 0);
 
+  // Each part is told of as its share of the whole.
+  const Progress whole = options.progress;
+  std::size_t count = 0;
+  auto told = std::chrono::steady_clock::now();
+  const auto tell = [&](double of_part) {
+    told = std::chrono::steady_clock::now();
+    return whole((static_cast<double>(first) + of_part * static_cast<double>(count)) /
+                 static_cast<double>(nodes));
+  };
+  if (whole) options.progress = tell;
+
   Nodes<Scalar> places(grid);
   std::optional<BasicReconstruction<Scalar>> fit;
   for (; first < nodes; first += nodes_at_once) {
-    const std::size_t count = std::min(nodes_at_once, nodes - first);
+    count = std::min(nodes_at_once, nodes - first);
     const PointsView<Scalar> at = places.at(first, count);
     options.neighbours = part_of(rule, first, count);
     if (fit)
@@ -126,6 +139,8 @@ BasicGridReconstruction<Scalar> by_lists(const BasicSources<Scalar>& sources,
         limited.components[first + t] += count_of_these.components[t];
       column += width;
     }
+    const bool due = std::chrono::steady_clock::now() - told > std::chrono::milliseconds(100);
+    if (whole && due && first + count < nodes && !tell(1)) throw Cancelled();
   }
   limited.total();
   return {std::move(values), std::move(gradients), FitReports(std::move(reports), *options.solver),

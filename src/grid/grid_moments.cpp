@@ -63,7 +63,7 @@ BasicGridMoments<Scalar>::BasicGridMoments(const PointsView<Scalar>& points,
     for_each_number(*plan, lanes, row.width,
                     [&](std::size_t in_row, std::size_t here) { to[here] = row.moments[in_row]; });
   };
-  sweep<Scalar>(particles, bins, *plan, [&] { return keep; });
+  sweep<Scalar>(particles, bins, *plan, {}, [&] { return keep; });
 }
 
 template <class Scalar>

@@ -31,7 +31,7 @@ BasicGridReconstruction<Scalar> by_moments(ParticleData<Scalar> particles,
   particles.weight_scale = scale_of(particles.weights);
   NodeFits<Scalar> fits(plan, apply.gradients.has_value());
   const LaneLayout lanes = LaneLayout::of(plan);
-  sweep<Scalar>(particles, bins, plan, [&] {
+  sweep<Scalar>(particles, bins, plan, options.progress, [&] {
     return [solver = std::make_shared<RowSolver<Scalar>>(plan, lanes, fits)](
                const FinishedRow<Scalar>& row) { (*solver)(row); };
   });

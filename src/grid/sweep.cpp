@@ -184,10 +184,11 @@ LaneLayout LaneLayout::of(const GridPlan<Scalar>& plan) {
 
 template <class Scalar>
 void sweep(const ParticleData<Scalar>& particles, const ParticleBins& bins,
-           const GridPlan<Scalar>& plan, const std::function<RowSink<Scalar>()>& make_done) {
+           const GridPlan<Scalar>& plan, const Progress& progress,
+           const std::function<RowSink<Scalar>()>& make_done) {
   const LaneLayout lanes = LaneLayout::of(plan);
   const Tiles tiles = choose_tiles(plan, lanes);
-  parallel_blocks(tiles.count(), 1, plan.options.threads, [&](std::size_t tile, std::size_t) {
+  const auto sweep_tile = [&](std::size_t tile, std::size_t) {
     std::array<std::int64_t, max_dimension> begin, end;
     for (int d = 0; d < max_dimension; ++d) {
       const std::int64_t at = static_cast<std::int64_t>(tile) % tiles.number[d];
@@ -196,14 +197,15 @@ void sweep(const ParticleData<Scalar>& particles, const ParticleBins& bins,
       end[d] = std::min(begin[d] + tiles.size[d], plan.axes[d].nodes);
     }
     TileSweep<Scalar>(particles, bins, plan, lanes, begin, end).run(make_done());
-  });
+  };
+  parallel_blocks(tiles.count(), 1, plan.options.threads, progress, sweep_tile);
 }
 
 template LaneLayout LaneLayout::of(const GridPlan<float>&);
 template LaneLayout LaneLayout::of(const GridPlan<double>&);
 template void sweep(const ParticleData<float>&, const ParticleBins&, const GridPlan<float>&,
-                    const std::function<RowSink<float>()>&);
+                    const Progress&, const std::function<RowSink<float>()>&);
 template void sweep(const ParticleData<double>&, const ParticleBins&, const GridPlan<double>&,
-                    const std::function<RowSink<double>()>&);
+                    const Progress&, const std::function<RowSink<double>()>&);
 
 }  // namespace recon

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "grid/particle_bins.hpp"
+#include "recon/core/progress.hpp"
 
 namespace recon {
 
@@ -46,6 +47,7 @@ template <class Scalar>
 using RowSink = std::function<void(const FinishedRow<Scalar>&)>;
 template <class Scalar>
 void sweep(const ParticleData<Scalar>& particles, const ParticleBins& bins,
-           const GridPlan<Scalar>& plan, const std::function<RowSink<Scalar>()>& make_done);
+           const GridPlan<Scalar>& plan, const Progress& progress,
+           const std::function<RowSink<Scalar>()>& make_done);
 
 }  // namespace recon

@@ -53,6 +53,8 @@ Array<Scalar> gather(const FieldView<Scalar>& field, std::span<const std::uint32
 
 template <class Scalar>
 std::size_t SparsityPattern<Scalar>::row(std::size_t target) const {
+  require(target < neighbours.targets(), "target", target,
+          "must be smaller than the number of targets");
   if (target_of.empty()) return target;
   if (has_row_of_) return row_of_[target];
   const std::lock_guard lock(mutex_);
@@ -204,12 +206,12 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<
 template <class Scalar>
 void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
                                 const Apply& how, std::uint32_t* limited) const {
+  pattern_->require_current();  // first: the number of particles may have changed
   require(field.size() == columns(), "size of the field", field.size(),
           "must be the number of particles");
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
   require(out.components() == field.components() * blocks_, "components of the output",
           out.components(), "must be those of the field times the operator's blocks");
-  pattern_->require_current();
   const detail::Product<Scalar> product(*pattern_, values_.data(), blocks_, field, out, fill_, how,
                                         limited, threads_);
   parallel_blocks(rows(), rows_per_block, threads_,
@@ -219,6 +221,8 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<
 template <class Scalar>
 void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
                                           const FieldSpan<Scalar>& out) const {
+  const SparsityPattern<Scalar>& pattern = *pattern_;
+  pattern.require_current();
   require(field.size() == rows(), "size of the field", field.size(),
           "must be the number of targets");
   require(field.components() % blocks_ == 0, "components of the field", field.components(),
@@ -228,8 +232,6 @@ void CsrOperator<Scalar>::apply_transpose(const FieldView<Scalar>& field,
           "must be the number of particles");
   require(out.components() == components, "components of the output", out.components(),
           "must be those of the field divided by the operator's blocks");
-  const SparsityPattern<Scalar>& pattern = *pattern_;
-  pattern.require_current();
   const Array<Scalar> in =
       gather<Scalar>(field, pattern.target_of, pattern.empty_rows, threads_,
                      [&](std::size_t row, int c) { return reads(row, c % blocks_); });

@@ -48,6 +48,7 @@ double differentiated(const Powers& derivative, const Powers& powers, const Offs
 
 OwnFunctional detail::own_functional(OwnFunctional::Action action) {
   require(action.numbers >= 1, "numbers of the functional", action.numbers, "must be at least 1");
+  require(static_cast<bool>(action.act), "action of the functional", "empty", "must be a function");
   return OwnFunctional([action = std::move(action)](int) { return action; });
 }
 

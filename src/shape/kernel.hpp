@@ -124,6 +124,7 @@ class Kernel final : public ShapeKernel<Scalar> {
       const double rho = static_cast<double>(problem.neighbours.support[t]);
       on_monomials_.assign(numbers * Jets::size, Scalar(0));
       action_.resize(numbers);
+      largest_.assign(numbers, 0);
       for (int a = 0; a < Basis::size; ++a) {
         Powers powers{};
         for (int d = 0; d < D; ++d) powers[d] = Basis::exponents[a][d];
@@ -137,8 +138,14 @@ class Kernel final : public ShapeKernel<Scalar> {
           require(is_finite(on_monomial), "functional of a monomial, in support radii", scaled,
                   "must be finite and in the range of the precision");
           on_monomials_[i * Jets::size + a] = on_monomial;
+          largest_[i] = std::max(largest_[i], std::abs(scaled));
         }
       }
+      // Below the smallest normal number digits are lost.
+      for (const double largest : largest_)
+        require(largest == 0 || static_cast<Scalar>(largest) >= std::numeric_limits<Scalar>::min(),
+                "functional of a monomial, in support radii", largest,
+                "must be a normal number of the precision: choose another unit of length");
     }
 
     void gather(const ShapeProblem<Scalar>& problem, std::size_t t, bool slopes) {
@@ -175,7 +182,7 @@ class Kernel final : public ShapeKernel<Scalar> {
     using Jets = Monomials<D, std::max(R, 2)>;
     GramSchmidt<Scalar, Basis, Jets::degree> polynomial_;
     std::vector<Scalar> values_, on_monomials_;
-    std::vector<double> action_;
+    std::vector<double> action_, largest_;
   };
 
   // What a block of targets is worked on with.

@@ -29,6 +29,10 @@ void Options::validate() const {
   const Solver asked = solver.value_or(Solver::gram_schmidt);
   require(static_cast<int>(asked) <= static_cast<int>(Solver::svd), "solver",
           static_cast<int>(asked), "must be an enumerator of recon::Solver");
+  require(unsupported == Unsupported::fill || unsupported == Unsupported::nearest, "unsupported",
+          static_cast<int>(unsupported), "must be an enumerator of recon::Unsupported");
+  require(search >= SearchMethod::automatic && search <= SearchMethod::brute_force, "search",
+          static_cast<int>(search), "must be an enumerator of recon::SearchMethod");
   sources().validate();
 }
 

@@ -495,5 +495,30 @@ TEST(OwnFunctionalOptions, MistakesAreNamed) {
               HasSubstr("must be finite"));
 }
 
+// The fourth derivative of (x / L)^4 in float: 24 / L^4 is right, or below the normal numbers and
+// refused.
+TEST(OwnFunctionalOptions, HighOrdersInLargeUnitsAreRightOrRefused) {
+  for (const float length : {1.0f, 1e5f, 1e9f, 1e11f, 1e12f}) {
+    auto points = random_points<float, 2>(400, 1);
+    std::vector<float> u;
+    for (auto& x : points) {
+      u.push_back(x[0] * x[0] * x[0] * x[0]);
+      for (float& c : x) c *= length;
+    }
+    const PointList<float, 2> target{{0.5f * length, 0.5f * length}};
+    const auto fit = reconstruct(points_of(points), points_of(target),
+                                 {.degree = 4, .neighbours = Radius{0.4 * length}});
+    const auto fourth = [&] {
+      const auto [partial] = fit.operators(Functional::partial(4));
+      return static_cast<double>(partial.apply(field_of(u))(0, 0)) * length * length * length *
+             length;
+    };
+    if (length < 1e10f)
+      EXPECT_NEAR(fourth(), 24, 0.5) << length;
+    else
+      EXPECT_THROW(fourth(), InvalidArgument) << length;
+  }
+}
+
 }  // namespace
 }  // namespace recon::testing

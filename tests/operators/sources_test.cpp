@@ -354,5 +354,34 @@ TEST(Sources, AnyIntegerCountsNeighbours) {
       HasSubstr("k = -3: must be from 1"));
 }
 
+// What is stale says so, whatever the field given to it.
+TEST(Sources, StaleUseIsNamedBeforeSizes) {
+  const auto before = random_points<double, 2>(500, 1), after = random_points<double, 2>(450, 2);
+  Sources sources(points_of(before));
+  const Reconstruction fit = reconstruct(sources, points_of(before));
+  const auto slopes = fit.gradient();
+  sources.update(points_of(after));
+  const auto u = numbers(450, 3);
+  EXPECT_THAT(message_of([&] { fit.apply(field_of(u)); }), HasSubstr("update()"));
+  EXPECT_THAT(message_of([&] { slopes.apply(field_of(u)); }), HasSubstr("update()"));
+  EXPECT_THAT(message_of([&] { fit.apply_transpose(field_of(u)); }), HasSubstr("update()"));
+}
+
+TEST(Reconstruction, TargetsAndEnumeratorsOutsideTheirRangeAreNamed) {
+  const auto points = random_points<double, 2>(100, 1);
+  const Reconstruction fit = reconstruct(points_of(points), points_of(points));
+  EXPECT_THAT(message_of([&] { fit.values().row(100); }), HasSubstr("target = 100"));
+  EXPECT_THAT(message_of([&] { fit.support(99999); }), HasSubstr("target = 99999"));
+  EXPECT_THAT(message_of([&] { Reconstruction().support(0); }), HasSubstr("target = 0"));
+  Options options;
+  options.unsupported = static_cast<Unsupported>(9);
+  EXPECT_THAT(message_of([&] { reconstruct(points_of(points), points_of(points), options); }),
+              HasSubstr("unsupported = 9"));
+  options = {};
+  options.search = static_cast<SearchMethod>(9);
+  EXPECT_THAT(message_of([&] { reconstruct(points_of(points), points_of(points), options); }),
+              HasSubstr("search = 9"));
+}
+
 }  // namespace
 }  // namespace recon::testing

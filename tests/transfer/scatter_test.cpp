@@ -536,5 +536,18 @@ TEST(TransferData, FieldsAreCheckedBeforeAnythingIsWritten) {
   for (const double value : seen) EXPECT_NEAR(value, 1, 1e-15);
 }
 
+TEST(TransferData, OutputsOfLessRangeAreChecked) {
+  const CartesianGrid<2> grid({0, 0}, {4, 4}, 1);
+  const std::vector<std::array<double, 2>> at{{1.5, 1.5}};
+  const std::vector<double> nodes(grid.size(), 1e300);
+  std::vector<float> out(1, 7);
+  const std::string message = message_of([&] {
+    gather(
+        grid, LinearFunctions{}, [&](std::size_t p) { return at[p]; }, field_of(nodes),
+        field_of(out));
+  });
+  EXPECT_NE(message.find("particle 0: component 0 of the output"), std::string::npos) << message;
+}
+
 }  // namespace
 }  // namespace recon::test

@@ -45,6 +45,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "recon/core/parallel.hpp"
@@ -292,8 +293,14 @@ void gather(const CartesianGrid<D>& grid, const Functions& functions, const Doma
   gather(
       grid, functions, out.size(), domain_of,
       [&](std::size_t p, const auto& at) {
-        for (int c = 0; c < nodes.components(); ++c)
-          out(p, c) = static_cast<Out>(at.value(detail::column(nodes, c)));
+        for (int c = 0; c < nodes.components(); ++c) {
+          const auto value = at.value(detail::column(nodes, c));
+          out(p, c) = static_cast<Out>(value);
+          if (!std::isfinite(out(p, c))) [[unlikely]]  // beyond the range of the output
+            detail::throw_invalid("particle " + std::to_string(p) + ": component " +
+                                      std::to_string(c) + " of the output",
+                                  value, "must be in the range of its numbers");
+        }
       },
       threads);
 }
