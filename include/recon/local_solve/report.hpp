@@ -49,7 +49,8 @@ struct FitReport {
   // The number of directions in which second derivatives are resolved: hessian() is 0 in the
   // others. It is gradient_rank, or 0: where second derivatives cannot be told from a slope that is
   // not resolved (on a thin bowl, or where the particles lie near a curve by chance), and where
-  // there are none, below degree 2 and on grids.
+  // there are none: at degree 0 and 1, and where sums over a grid formed the fit. Where `degree` is
+  // below 2, second derivatives are those of the terms that `kept` counts, whatever stands here.
   std::uint8_t hessian_rank = 0;
   // The number of independent directions kept within each degree: {1, 1, 0} on a line in 2-D.
   std::array<std::uint8_t, max_degree + 1> kept{};

@@ -8,6 +8,9 @@
 //   PairRadii{h}         |x_p - x| <= h_p, a radius of each particle;   rho = the largest h_p
 // PairRadii also takes the mean of h_p and of a radius h_t of the target, or the larger one, as in
 // smoothed particle hydrodynamics (Monaghan 2005, sec. 2.7); its lists hold the radius of each pair.
+// What a fit judges against the support (FitTolerances::gradient_extent) it judges against the
+// largest h_p that reaches the target: one radius a thousand times the others makes slopes there
+// unresolved, which FitReport::gradient_rank says.
 // With SupportShape::cube, for tensor-product weights, the support is the cube |x_p - x| <= rho on
 // every axis: Radius and Radii take all in the cube, NearestWithin the k nearest (Euclidean) in the
 // cube, and Nearest the k nearest with rho = factor * the largest distance along an axis.
