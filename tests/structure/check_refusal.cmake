@@ -3,16 +3,7 @@
 # The compiler refuses a file, and the first line that it calls an error has the text.
 cmake_minimum_required(VERSION 3.22)
 
-set(command "")
-set(seen no)
-math(EXPR last "${CMAKE_ARGC} - 1")
-foreach(i RANGE ${last})
-  if(seen)
-    list(APPEND command "${CMAKE_ARGV${i}}")
-  elseif(CMAKE_ARGV${i} STREQUAL "--")
-    set(seen yes)
-  endif()
-endforeach()
+include(${CMAKE_CURRENT_LIST_DIR}/command_line.cmake)
 
 execute_process(COMMAND ${command} RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE errors)
 if(result EQUAL 0)

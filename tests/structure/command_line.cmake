@@ -1,0 +1,11 @@
+# Sets `command` to what follows "--" on the command line of the script that includes this.
+set(command "")
+set(seen no)
+math(EXPR last "${CMAKE_ARGC} - 1")
+foreach(i RANGE ${last})
+  if(seen)
+    list(APPEND command "${CMAKE_ARGV${i}}")
+  elseif(CMAKE_ARGV${i} STREQUAL "--")
+    set(seen yes)
+  endif()
+endforeach()
