@@ -7,6 +7,7 @@
 
 #include "core/instantiate.hpp"
 #include "neighbourhood/find_with_index.hpp"
+#include "recon/core/progress.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
 
 namespace recon::detail {
@@ -46,7 +47,11 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
                 const PairRadii& rule, const PeriodicDomain<Scalar>& domain,
                 const NeighbourOptions& options, NeighbourList<Scalar>& list) {
   const PointCloud<Scalar>& particles = index.cloud();
-  NeighbourOptions of_particles = options;
+  // Two searches are told of as one.
+  const bool symmetric = rule.support != PairSupport::particle;
+  NeighbourOptions of_targets = options, of_particles = options;
+  of_particles.progress = part_of(options.progress, 0, symmetric ? 0.5 : 1);
+  of_targets.progress = part_of(options.progress, 0.5, 1);
   if (options.visible)
     of_particles.visible = [&](std::size_t particle, std::size_t target) {
       return options.visible(target, particle);
@@ -57,8 +62,8 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
                      found);
   std::vector<std::vector<Seen>> rows = turned_round(found, targets.size());
 
-  if (rule.support != PairSupport::particle) {
-    find_with_index<D>(index, targets, Radii{rule.targets}, domain, options, false, found);
+  if (symmetric) {
+    find_with_index<D>(index, targets, Radii{rule.targets}, domain, of_targets, false, found);
     std::vector<Seen> own, both;
     for (std::size_t t = 0; t < rows.size(); ++t) {
       own.clear();

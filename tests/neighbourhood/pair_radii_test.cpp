@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <thread>
 #include <tuple>
 
 #include "recon/neighbourhood/find_neighbours.hpp"
@@ -109,6 +111,32 @@ TEST(PairRadii, HideWhatATargetDoesNotSee) {
       ++found;
     }
   EXPECT_GT(found, 100u);
+}
+
+// The searches from both sides are one account, which rises.
+TEST(PairRadii, ProgressIsToldOfBothSearchesAsOne) {
+  const auto points = cloud_of(random_points<double, 2>(2000, 7));
+  const std::vector<double> radii(2000, 0.03);
+  NeighbourOptions options;
+  options.threads = 1;
+  options.visible = [](std::size_t target, std::size_t) {
+    static std::size_t last = 0;
+    if (target != last) std::this_thread::sleep_for(std::chrono::microseconds(100));
+    last = target;
+    return true;
+  };
+  std::vector<double> told;
+  options.progress = [&](double fraction) {
+    told.push_back(fraction);
+    return true;
+  };
+  find_neighbours(points, points, NeighbourRule(PairRadii{radii, radii, PairSupport::mean}), {},
+                  options);
+  ASSERT_GE(told.size(), 2u);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_LT(told.front(), 0.5);
+  EXPECT_GT(told.back(), 0.5);
+  EXPECT_LE(told.back(), 1);
 }
 
 TEST(PairRadii, RadiiThatDoNotFitAreNamed) {
