@@ -18,6 +18,7 @@
 #include <limits>
 #include <vector>
 
+#include "recon/core/error.hpp"
 #include "recon/core/lanes.hpp"
 #include "recon/local_solve/report.hpp"
 
@@ -56,6 +57,13 @@ struct FitTolerances {
 
 // Which derivatives of the shape functions to form.
 enum class Derivative { diffuse, exact };
+
+namespace detail {
+inline void require_derivative(Derivative kind) {
+  require(kind == Derivative::diffuse || kind == Derivative::exact, "kind of derivative",
+          static_cast<int>(kind), "must be an enumerator of recon::Derivative");
+}
+}  // namespace detail
 
 // The results, n entries in each array; null pointers are not written. Gradients have the unit
 // 1/length. Hessians (diffuse only) have 1/length^2 and the entries xx, xy, xz, yy, yz, zz as far
@@ -126,6 +134,13 @@ constexpr int jet_size(int dimension) {
 }
 
 // Fills the parts of a report that follow from how many directions of each degree were kept.
+// The number of directions in which all second derivatives are resolved, from kept and
+// gradient_rank: r directions need r (r + 1) / 2 terms of second degree.
+constexpr std::uint8_t hessian_rank_of(const FitReport& report) {
+  const int r = report.gradient_rank;
+  return r > 0 && 2 * report.kept[2] >= r * (r + 1) ? report.gradient_rank : 0;
+}
+
 template <class B>
 void finish_report(FitReport& report) {
   static_assert(B::degree <= FitReport::max_degree,
@@ -140,7 +155,7 @@ void finish_report(FitReport& report) {
   report.rank = static_cast<std::uint8_t>(rank);
   report.degree = static_cast<std::int8_t>(degree);
   report.gradient_rank = B::degree >= 1 ? B::dimension : 0;
-  report.hessian_rank = rank > report.kept[0] + report.kept[1] ? report.gradient_rank : 0;
+  report.hessian_rank = hessian_rank_of(report);
   report.status = degree == B::degree ? FitStatus::full
                   : degree >= 0       ? FitStatus::reduced
                                       : FitStatus::no_support;

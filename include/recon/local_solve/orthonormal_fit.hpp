@@ -102,7 +102,7 @@ class OrthonormalFit {
       partial_ = resolution_.rank < D;
       if (partial_) {
         project_jets();
-        if (report.hessian_rank > 0) report.hessian_rank = report.gradient_rank;
+        report.hessian_rank = detail::hessian_rank_of(report);
         unresolved_.clear();
         for (int d = 0; d < D; ++d)
           if (resolution_.dropped[d]) add_unresolved(components[d]);

@@ -72,6 +72,7 @@ class ShapeEvaluator {
   requires std::convertible_to<std::invoke_result_t<Position, ParticleIndex>, Point>
   const ShapeFunction<T, D>& at(const Point& x, T rho, std::span<const ParticleIndex> neighbours,
                                 Position&& position, Derivative kind = default_gradient) {
+    detail::require_derivative(kind);
     detail::require(kind == Derivative::diffuse || has_exact_gradient, "kind", "exact",
                     "must be diffuse for a basis that is not translation_invariant");
     detail::require(rho > T(0) && detail::is_finite(rho), "rho", rho,

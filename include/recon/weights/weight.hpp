@@ -243,6 +243,13 @@ enum class Weight {
 
 enum class WeightForm { radial, tensor_product };
 
+namespace detail {
+inline void require_form(WeightForm form) {
+  require(form == WeightForm::radial || form == WeightForm::tensor_product, "form",
+          static_cast<int>(form), "must be an enumerator of recon::WeightForm");
+}
+}  // namespace detail
+
 // All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic" (B-splines),
 // "wendland_c0", ..., "gaussian", "inverse_distance".
 std::span<const Weight> all_weights();
