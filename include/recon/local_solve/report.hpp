@@ -25,12 +25,14 @@ enum class FitStatus : std::uint8_t {
 
 constexpr std::string_view name_of(Solver solver) {
   constexpr std::array<std::string_view, 4> names{"moment_matrix", "gram_schmidt", "qr", "svd"};
-  return names[static_cast<std::size_t>(solver)];
+  const auto place = static_cast<std::size_t>(solver);
+  return place < names.size() ? names[place] : "unknown";
 }
 constexpr std::string_view name_of(FitStatus status) {
   constexpr std::array<std::string_view, 5> names{"full", "reduced", "nearest", "no_support",
                                                   "too_far"};
-  return names[static_cast<std::size_t>(status)];
+  const auto place = static_cast<std::size_t>(status);
+  return place < names.size() ? names[place] : "unknown";
 }
 
 struct FitReport {
