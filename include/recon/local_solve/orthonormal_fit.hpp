@@ -140,6 +140,7 @@ class OrthonormalFit {
   constexpr void start(const LocalCloud<T, D>& cloud, int terms, int spare = 0) {
     n_ = cloud.size;
     terms_ = terms;
+    first_ = fixed(terms);
     rank_ = 0;
     partial_ = false;
     detail::provide(numbers_, fixed(terms) + each(terms, spare) * static_cast<std::size_t>(n_));
@@ -169,20 +170,21 @@ class OrthonormalFit {
   // Removes from `column` (and its jet) its part in the span of the first `count` kept columns,
   // once. `removed`, unless null, receives the sum of what was removed, column by column.
   constexpr void project_out(T* column, T* column_jet, int count, T* removed = nullptr) const {
+    const int n = n_;
     // Classical Gram-Schmidt: the products of several columns with the same vector come first.
     // Called twice it is as good as exact ("twice is enough", Giraud, Langou, Rozloznik 2005).
     in_chunks(count, [&](int first, auto size) {
       constexpr int C = decltype(size)::value;
       std::array<T, C> r{};
       const T* u = this->column(first);
-      detail::add_in_blocks<C>(n_, r.data(), [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+      detail::add_in_blocks<C>(n, r.data(), [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
         for (int p = begin; p < end; ++p)
           detail::unroll<C>([&](auto j)
-                                RECON_INLINE_LAMBDA { part[j] += u[j * n_ + p] * column[p]; });
+                                RECON_INLINE_LAMBDA { part[j] += u[j * n + p] * column[p]; });
       });
-      for (int p = 0; p < n_; ++p) {
+      for (int p = 0; p < n; ++p) {
         T rest = column[p];
-        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { rest -= r[j] * u[j * n_ + p]; });
+        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { rest -= r[j] * u[j * n + p]; });
         column[p] = rest;
       }
       for (int j = 0; j < C; ++j) {
@@ -207,37 +209,39 @@ class OrthonormalFit {
 
   // Shape functions and derivatives from columns and jets. Exact gradients need cloud.dw.
   constexpr void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
+    const int n = n_;
     T* const lambda = this->lambda();  // phi_p / w_p, a polynomial
     T* const c = coefficients();
     const T *const root = root_weights(), *const inverse_root = inverse_root_weights();
     combine(lambda, values());
-    for (int p = 0; p < n_; ++p) {
+    for (int p = 0; p < n; ++p) {
       out.value[p] = lambda[p] * root[p];
       lambda[p] *= inverse_root[p];
     }
     if (out.wants_gradient())
       for (int d = 0; d < D; ++d) {
+        const T* const dw = cloud.dw[d];
         for (int j = 0; j < rank_; ++j) {
           T slope = jet(j)[1 + d] / cloud.rho;
           if (out.kind == Derivative::exact) {
             const T* u = column(j);
-            detail::add_in_blocks<1>(
-                n_, &slope, [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
-                  for (int p = begin; p < end; ++p)
-                    part[0] -= u[p] * inverse_root[p] * cloud.dw[d][p] * lambda[p];
-                });
+            detail::add_in_blocks<1>(n, &slope,
+                                     [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
+                                       for (int p = begin; p < end; ++p)
+                                         part[0] -= u[p] * inverse_root[p] * dw[p] * lambda[p];
+                                     });
           }
           c[j] = slope;
         }
         combine(out.gradient[d], c);
-        for (int p = 0; p < n_; ++p) {
+        for (int p = 0; p < n; ++p) {
           out.gradient[d][p] *= root[p];
-          if (out.kind == Derivative::exact) out.gradient[d][p] += cloud.dw[d][p] * lambda[p];
+          if (out.kind == Derivative::exact) out.gradient[d][p] += dw[p] * lambda[p];
         }
       }
     // The change of the weights with the target has parts in all directions.
     if constexpr (LaneTraits<T>::lanes == 1)
-      for (int p = 0; p < n_ && partial_ && out.wants_gradient(); ++p) {
+      for (int p = 0; p < n && partial_ && out.wants_gradient(); ++p) {
         std::array<T, D> slope;
         for (int d = 0; d < D; ++d) slope[d] = out.gradient[d][p];
         slope = resolution_.project(slope);
@@ -251,7 +255,7 @@ class OrthonormalFit {
           const T scale = T(a == b ? 2 : 1) / (cloud.rho * cloud.rho);
           for (int j = 0; j < rank_; ++j) c[j] = jet(j)[1 + D + entry] * scale;
           combine(out.hessian[entry], c);
-          for (int p = 0; p < n_; ++p) out.hessian[entry][p] *= root[p];
+          for (int p = 0; p < n; ++p) out.hessian[entry][p] *= root[p];
         }
     }
   }
@@ -331,15 +335,16 @@ class OrthonormalFit {
 
   // Forms result_p = sum_j coefficient_j u_j(p).
   constexpr void combine(T* result, const T* coefficient) const {
-    for (int p = 0; p < n_; ++p) result[p] = T(0);
+    const int n = n_;
+    for (int p = 0; p < n; ++p) result[p] = T(0);
     in_chunks(rank_, [&](int first, auto size) {
       constexpr int C = decltype(size)::value;
       std::array<T, C> c;
       for (int j = 0; j < C; ++j) c[j] = coefficient[first + j];
       const T* u = column(first);
-      for (int p = 0; p < n_; ++p) {
+      for (int p = 0; p < n; ++p) {
         T sum = result[p];
-        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { sum += c[j] * u[j * n_ + p]; });
+        detail::unroll<C>([&](auto j) RECON_INLINE_LAMBDA { sum += c[j] * u[j * n + p]; });
         result[p] = sum;
       }
     });
@@ -358,10 +363,10 @@ class OrthonormalFit {
   constexpr T* of_terms(int at) { return numbers_.data() + at; }
   constexpr const T* of_terms(int at) const { return numbers_.data() + at; }
   constexpr T* of_particles(int j) {
-    return numbers_.data() + fixed(terms_) + static_cast<std::size_t>(j) * n_;
+    return numbers_.data() + first_ + static_cast<std::size_t>(j) * n_;
   }
   constexpr const T* of_particles(int j) const {
-    return numbers_.data() + fixed(terms_) + static_cast<std::size_t>(j) * n_;
+    return numbers_.data() + first_ + static_cast<std::size_t>(j) * n_;
   }
   constexpr T* coefficients() { return of_terms(terms_ * (jets + 3 * D)); }
   constexpr T* lambda() { return of_particles(terms_ + 2); }
@@ -370,7 +375,8 @@ class OrthonormalFit {
   constexpr const T* unresolved(int i) const { return of_terms(terms_ * (jets + D + i)); }
 
   int n_ = 0, rank_ = 0, terms_ = 0, unresolved_ = 0;
-  bool partial_ = false;  // the gradient is not resolved in all directions
+  std::size_t first_ = 0;  // of the numbers of particles
+  bool partial_ = false;   // the gradient is not resolved in all directions
   detail::GradientResolution<T, D> resolution_;
   Numbers numbers_{};
 };

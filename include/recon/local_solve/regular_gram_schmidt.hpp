@@ -56,10 +56,13 @@ class RegularGramSchmidt {
     Mask regular = weight_sum_ > T(0);
     if (n < B::size) return Mask(false);
 
+    const T* const root = fit_.root_weights();
+    T* const columns = fit_.column(0);
     for (int p = 0; p < n; ++p) {
       std::array<T, B::size> values;
       B::evaluate(cloud.at(p), values.data());
-      for (int j = 0; j < B::size; ++j) fit_.column(j)[p] = fit_.root_weights()[p] * values[j];
+      for (int j = 0; j < B::size; ++j)
+        columns[static_cast<std::size_t>(j) * n + p] = root[p] * values[j];
     }
     const detail::Thresholds<T> thresholds(tolerances_, cloud.noise);
     const T shortest = thresholds.clear2 * weight_sum_;  // a least size for linear terms

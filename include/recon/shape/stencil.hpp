@@ -84,15 +84,16 @@ class Stencil {
   template <class Weights>
   constexpr void weigh(const Weights& weights, WeightForm form, bool slopes,
                        Scalar support_factor = Scalar(0)) {
+    const int n = count_;
     T* const offset = xi(0);  // of all axes
     if constexpr (lanes == 1) {
-      for (int i = 0; i < D * count_; ++i) offset[i] /= rho_;
+      for (int i = 0; i < D * n; ++i) offset[i] /= rho_;
     } else {
       const T inverse = T(1) / rho_;
-      for (int i = 0; i < D * count_; ++i) offset[i] *= inverse;
+      for (int i = 0; i < D * n; ++i) offset[i] *= inverse;
     }
     T* const ratio = pair_ratio();
-    for (int p = 0; has_pair_supports_ && p < count_; ++p) ratio[p] = rho_ / ratio[p];
+    for (int p = 0; has_pair_supports_ && p < n; ++p) ratio[p] = rho_ / ratio[p];
     evaluate_weights(weights, form, slopes);
     if (slopes) differentiate(form, support_factor);
     if (weighs_particles_) multiply_by_particle_weights(slopes);
@@ -144,19 +145,20 @@ class Stencil {
   // factor per axis.
   template <class Weights>
   constexpr void evaluate_weights(const Weights& weights, WeightForm form, bool slopes) {
+    const int n = count_;
     using std::abs;
     const std::array<T*, D> x = per_axis(0), derivative = per_axis(D);
     T *const product = w(), *const ratio = pair_ratio();
     if (form == WeightForm::radial) {
       T *const distance = q(0), *const tangent = slope(0);
-      for (int p = 0; p < count_; ++p) {
+      for (int p = 0; p < n; ++p) {
         T q2 = x[0][p] * x[0][p];
         for (int d = 1; d < D; ++d) q2 += x[d][p] * x[d][p];
         distance[p] = within_support(p, detail::square_root(q2));
       }
       stretch(distance);
-      weights.evaluate(distance, product, slopes ? tangent : nullptr, count_);
-      for (int p = 0; slopes && p < count_; ++p) {
+      weights.evaluate(distance, product, slopes ? tangent : nullptr, n);
+      for (int p = 0; slopes && p < n; ++p) {
         const auto apart = distance[p] > T(0);
         T along = tangent[p] / detail::select(apart, distance[p], T(1));
         if (has_pair_supports_) along *= ratio[p] * ratio[p];
@@ -167,18 +169,18 @@ class Stencil {
       const std::array<T*, D> factors = per_axis(3 * D + 3);
       for (int d = 0; d < D; ++d) {
         T* const distance = q(d);
-        for (int p = 0; p < count_; ++p) distance[p] = within_support(p, T(abs(x[d][p])));
+        for (int p = 0; p < n; ++p) distance[p] = within_support(p, T(abs(x[d][p])));
         stretch(distance);
-        weights.evaluate(distance, factors[d], slopes ? slope(d) : nullptr, count_);
+        weights.evaluate(distance, factors[d], slopes ? slope(d) : nullptr, n);
       }
-      for (int p = 0; p < count_; ++p) {
+      for (int p = 0; p < n; ++p) {
         T all = factors[0][p];
         for (int d = 1; d < D; ++d) all *= factors[d][p];
         product[p] = all;
       }
       for (int d = 0; slopes && d < D; ++d) {
         const T* const tangent = slope(d);
-        for (int p = 0; p < count_; ++p) {
+        for (int p = 0; p < n; ++p) {
           T others = tangent[p];
           if (has_pair_supports_) others *= ratio[p];
           for (int e = 0; e < D; ++e)
@@ -197,8 +199,9 @@ class Stencil {
 
   // From distances in units of rho to those in units of the pairs' supports.
   constexpr void stretch(T* distance) {
+    const int n = count_;
     const T* const ratio = pair_ratio();
-    for (int p = 0; has_pair_supports_ && p < count_; ++p)
+    for (int p = 0; has_pair_supports_ && p < n; ++p)
       distance[p] =
           within_support(p, detail::select(distance[p] > T(0), T(distance[p] * ratio[p]), T(0)));
   }
@@ -215,13 +218,14 @@ class Stencil {
   // Multiplies by m_p relative to the largest m_p among the particles that count: the product
   // stays in range.
   constexpr void multiply_by_particle_weights(bool slopes) {
+    const int n = count_;
     T *const product = w(), *const mass = particle_weight();
     const std::array<T*, D> derivative = per_axis(D);
     T largest = T(0);
-    for (int p = 0; p < count_; ++p)
+    for (int p = 0; p < n; ++p)
       largest = detail::larger(detail::select(product[p] > T(0), mass[p], T(0)), largest);
     const T inverse = T(1) / detail::select(largest > T(0), largest, T(1));
-    for (int p = 0; p < count_; ++p) {
+    for (int p = 0; p < n; ++p) {
       const T ratio = detail::select(product[p] > T(0), T(mass[p] * inverse), T(0));
       product[p] *= ratio;
       for (int d = 0; slopes && d < D; ++d) derivative[d][p] *= ratio;
@@ -235,9 +239,10 @@ class Stencil {
 
   // Turns dw into d w / d x: xi = (x_p - x) / rho gives d xi_d = -(e_d + xi_d grad rho) / rho.
   constexpr void differentiate(WeightForm form, Scalar support_factor) {
+    const int n = count_;
     const std::array<T, D> grow = support_gradient(form, support_factor);
     const std::array<T*, D> x = per_axis(0), derivative = per_axis(D);
-    for (int p = 0; p < count_; ++p) {
+    for (int p = 0; p < n; ++p) {
       T along = T(0);
       for (int d = 0; d < D; ++d) along += derivative[d][p] * x[d][p];
       for (int d = 0; d < D; ++d) derivative[d][p] = -(derivative[d][p] + along * grow[d]) / rho_;
@@ -247,13 +252,14 @@ class Stencil {
   // The gradient of rho = support_factor * distance to the farthest neighbour; 0 for supports
   // that stand still.
   constexpr std::array<T, D> support_gradient(WeightForm form, Scalar support_factor) {
+    const int n = count_;
     using std::abs;
     const std::array<T*, D> x = per_axis(0), distances = per_axis(2 * D);
     std::array<T, D> gradient{};
     if (!(support_factor > Scalar(0))) return gradient;
     const T factor = T(support_factor);
     T distance = T(0);
-    for (int p = 0; p < count_; ++p)
+    for (int p = 0; p < n; ++p)
       for (int d = 0; d < (form == WeightForm::radial ? 1 : D); ++d) {
         auto farther = distances[d][p] > distance;
         if constexpr (lanes > 1) farther = farther && T(p) < present_;
@@ -276,10 +282,11 @@ class Stencil {
   }
 
   constexpr void compact(bool slopes) {
+    const int n = count_;
     T* const product = w();
     const std::array<T*, D> x = per_axis(0), derivative = per_axis(D);
     T largest = T(0);
-    for (int p = 0; p < count_; ++p) largest = detail::larger(product[p], largest);
+    for (int p = 0; p < n; ++p) largest = detail::larger(product[p], largest);
     auto usable = largest >= T(std::numeric_limits<Scalar>::min());
     if constexpr (lanes == 1) {
       detail::require(detail::is_finite(largest), "largest product of weights at a target", largest,
@@ -292,17 +299,17 @@ class Stencil {
                                 std::numeric_limits<Scalar>::epsilon());
     weighted_ = T(0);
     if constexpr (lanes > 1) {
-      for (int p = 0; p < count_; ++p) {
+      for (int p = 0; p < n; ++p) {
         const auto keep = usable && product[p] > least;
         product[p] = detail::select(keep, T(product[p] * inverse), T(0));
         weighted_ += detail::select(keep, T(1), T(0));
         for (int d = 0; slopes && d < D; ++d)
           derivative[d][p] = detail::select(keep, T(derivative[d][p] * inverse), T(0));
       }
-      size_ = count_;
+      size_ = n;
     } else {
       size_ = 0;
-      for (int p = 0; usable && p < count_; ++p) {
+      for (int p = 0; usable && p < n; ++p) {
         if (!(product[p] > least)) continue;
         for (int d = 0; d < D; ++d) {
           x[d][size_] = x[d][p];
