@@ -120,8 +120,8 @@ static_assert(reproduces(fit<Gaussian, WeightForm::tensor_product>(anywhere,
 static_assert(fit<BSpline<3>, WeightForm::radial>(anywhere, Solver::moment_matrix).report.solver ==
               Solver::moment_matrix);
 
-// The moment matrix hands the line over; along it the fit is of degree 2: x y is x^2 there, with the
-// slope 2 x in the direction (1, 1), and so x along each axis.
+// The moment matrix hands the line over. Along it the fit is of degree 2: x y is x^2 there, with
+// the slope 2 x in the direction (1, 1), and so x along each axis.
 constexpr Outcome line = fit<Wendland<2>, WeightForm::radial>(on_a_line, Solver::moment_matrix);
 static_assert(line.report.solver == Solver::gram_schmidt && line.report.rank == 3 &&
               line.report.kept[1] == 1 && line.report.kept[2] == 1 &&

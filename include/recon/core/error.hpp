@@ -12,8 +12,8 @@
 #include <string_view>
 #include <utility>
 
-// A call that throws, in a function that may be compiled for a GPU as well. Device code cannot throw:
-// wrong input ends the kernel there, with an error that the host's next call sees.
+// A call that throws, in a function that may be compiled for a GPU as well. Device code cannot
+// throw: wrong input ends the kernel there, with an error that the host's next call sees.
 #if defined(__CUDA_ARCH__)
 #define RECON_REFUSE(call) __trap()
 #else

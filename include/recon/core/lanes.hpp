@@ -59,7 +59,7 @@ constexpr bool is_finite(const T& value) {
   return value - value == T(0);
 }
 
-// sqrt() of the built-in numbers where constants are evaluated, by Newton's iteration: to a rounding.
+// sqrt() of the built-in numbers where constants are evaluated, to a rounding (Newton's iteration).
 template <class T>
 constexpr T constant_square_root(const T& x) {
   if (!(x > T(0)) || x > std::numeric_limits<T>::max())

@@ -1,12 +1,12 @@
 // Where the kernels for one target keep arrays whose length follows the number of its particles.
 //
 // A kernel is a template over one of these, which is also an argument of its constructor:
-//   Growing        std::vector: grows to the largest target, so that nothing is allocated once warm.
-//                  The default.
-//   AtMost<n>      arrays within the object, for at most n particles: for constant expressions, and
-//                  for the threads of a GPU.
-//   Given          memory handed in by the caller, for at most as many particles as the caller says.
-//                  Copies of such a kernel share the memory.
+//   Growing     std::vector: grows to the largest target, so that nothing is allocated once warm.
+//               The default.
+//   AtMost<n>   arrays within the object, for at most n particles: for constant expressions, and
+//               for the threads of a GPU.
+//   Given       memory handed in by the caller, for at most as many particles as the caller says.
+//               Copies of such a kernel share the memory.
 // With AtMost and Given nothing is allocated. A target with more particles than there is room for
 // throws InvalidArgument; in device code, which cannot throw, it ends the kernel with a trap.
 //

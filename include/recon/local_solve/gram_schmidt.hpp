@@ -382,7 +382,7 @@ class GramSchmidt {
   FitTolerances tolerances_;
   Regular regular_;
   T weight_sum_ = T(0);
-  // Of the columns of one degree: their parts in the lower degrees, B::size numbers each; their jets.
+  // Of the columns of one degree: their parts in the lower degrees, B::size numbers each, and jets.
   std::array<T, static_cast<std::size_t>(block) * B::size> removed_{};
   std::array<Jet, block> block_jets_{};
   // The axes of the block's coordinates as rows (the identity for the linear block); and the same

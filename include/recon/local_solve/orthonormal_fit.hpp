@@ -37,7 +37,7 @@
 
 namespace recon {
 
-// jet_order: that of the jets, at least 2. Numbers: what holds the numbers, a store of core/memory.hpp.
+// jet_order: that of the jets, at least 2. Numbers: a store of core/memory.hpp.
 template <class T, int D, int jet_order = 2, class Numbers = std::vector<T>>
 class OrthonormalFit {
  public:
@@ -358,8 +358,8 @@ class OrthonormalFit {
   }
 
   // The numbers in their order. For each of the terms: the jets, D components of slopes, 2 D
-  // unresolved slopes, a coefficient. For each particle: the columns, sqrt(w_p), 1 / sqrt(w_p), phi_p / w_p and
-  // what is spare.
+  // unresolved slopes, a coefficient. For each particle: the columns, sqrt(w_p), 1 / sqrt(w_p),
+  // phi_p / w_p and what is spare.
   constexpr T* of_terms(int at) { return numbers_.data() + at; }
   constexpr const T* of_terms(int at) const { return numbers_.data() + at; }
   constexpr T* of_particles(int j) {

@@ -1,4 +1,5 @@
-// Reference solvers, by Eigen in compiled code: pivoted QR and SVD of the weighted basis A = diag(sqrt w) m.
+// Reference solvers, by Eigen in compiled code: pivoted QR and SVD of the weighted basis
+// A = diag(sqrt w) m.
 //
 // Slow and simple, to check the other solvers with and to compare their cost with. With Householder
 // QR, A P = Q R, the orthonormal columns are those of Q with jets R^-T P^T origin; with A = U S V^T

@@ -1,8 +1,8 @@
-// One local fit by the moment matrix where that is safe, and by graded Gram-Schmidt elsewhere; or by
-// Gram-Schmidt alone.
+// One local fit by the moment matrix where that is safe, and by graded Gram-Schmidt elsewhere; or
+// by Gram-Schmidt alone.
 //
 // It runs in constant expressions and in device code, and allocates nothing with memory of
-// compile-time size or of the caller's (core/memory.hpp). local_solve.hpp adds the reference solvers.
+// compile-time size or of the caller's (core/memory.hpp). LocalSolve adds the reference solvers.
 #pragma once
 
 #include <limits>
