@@ -51,7 +51,9 @@ namespace recon {
 namespace detail {
 
 constexpr double factorial_of(int n) {
-  return n < 2 ? 1.0 : n * factorial_of(n - 1);
+  double product = 1;  // no recursion: threads of a GPU have a stack whose size is known beforehand
+  for (int i = n; i > 1; --i) product *= i;
+  return product;
 }
 
 // The factor sqrt(k! / alpha!): with it a rotation of the axes acts on the monomials of degree k as
