@@ -151,7 +151,8 @@ Section run_sources(Lab& lab) {
       "The sources of the cloud and 20,000 targets (moment matrix). `one call` is "
       "reconstruct(points, targets); `20 calls` make Sources and ask them for a twentieth of the "
       "targets at a time, `of points` without Sources; `update` moves every particle by up to a "
-      "tenth of the spacing, then updates Sources and fit. Below: values of one component on one thread, "
+      "tenth of the spacing, then updates Sources and fit. Below: values of one component on one "
+      "thread, "
       "against a plain loop over the same entries in an order of space.",
       {},
       {}};

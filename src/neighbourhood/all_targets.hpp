@@ -12,7 +12,9 @@ namespace recon::detail {
 
 // How many cells along each axis the targets of a group may extend over.
 template <int D>
-inline constexpr int cells_of_a_brick = D == 1 ? 16 : D == 2 ? 4 : 2;
+inline constexpr int cells_of_a_brick = D == 1   ? 16
+                                        : D == 2 ? 4
+                                                 : 2;
 
 // The order of bricks of cells, in which targets are treated: those that follow each other see the
 // same particles, and make groups. Into `sort`.
@@ -76,19 +78,18 @@ class AllTargets {
   // For each block in parallel take(block, targets, number), after the search for each target.
   template <class Take>
   void find_all(const Take& take) const {
-    recon::parallel_blocks(
-        count(), targets_per_block, shared_.options.threads, shared_.options.progress,
-        [&](std::size_t begin, std::size_t end) {
-          const auto buffers = memory_.buffers.lend();
-          Targets targets(shared_, *buffers);
-          for (std::size_t s = begin; s < end;) {
-            s = next_group(s, end, buffers->group);
-            targets.find(std::span(buffers->group), [&](std::size_t t, S rho) {
-              list_.support[t] = rho;
-              take(begin / targets_per_block, targets, t);
-            });
-          }
-        });
+    recon::parallel_blocks(count(), targets_per_block, shared_.options.threads,
+                           shared_.options.progress, [&](std::size_t begin, std::size_t end) {
+                             const auto buffers = memory_.buffers.lend();
+                             Targets targets(shared_, *buffers);
+                             for (std::size_t s = begin; s < end;) {
+                               s = next_group(s, end, buffers->group);
+                               targets.find(std::span(buffers->group), [&](std::size_t t, S rho) {
+                                 list_.support[t] = rho;
+                                 take(begin / targets_per_block, targets, t);
+                               });
+                             }
+                           });
   }
 
   // Targets from place `begin` on that are close to each other and have radii of one magnitude.
@@ -143,9 +144,8 @@ class AllTargets {
       list_.offsets[t + 1] = static_cast<std::int64_t>((t + 1) * k);
     resize(count() * k);
     row_length_ = k;
-    find_all([&](std::size_t, const Targets& found, std::size_t t) {
-      write(found.begin(), k, t * k);
-    });
+    find_all(
+        [&](std::size_t, const Targets& found, std::size_t t) { write(found.begin(), k, t * k); });
   }
 
   void find_rows_of_any_length() {
@@ -163,15 +163,15 @@ class AllTargets {
     });
     for (std::size_t t = 0; t < count(); ++t) list_.offsets[t + 1] += list_.offsets[t];
     resize(static_cast<std::size_t>(list_.offsets.back()));
-    recon::parallel_blocks(
-        blocks->size(), 1, shared_.options.threads, [&](std::size_t block, std::size_t) {
-          const Key* from = (*blocks)[block].keys.data();
-          for (const std::uint32_t t : (*blocks)[block].targets) {
-            const auto size = static_cast<std::size_t>(list_.count(t));
-            write(from, size, static_cast<std::size_t>(list_.offsets[t]));
-            from += size;
-          }
-        });
+    recon::parallel_blocks(blocks->size(), 1, shared_.options.threads,
+                           [&](std::size_t block, std::size_t) {
+                             const Key* from = (*blocks)[block].keys.data();
+                             for (const std::uint32_t t : (*blocks)[block].targets) {
+                               const auto size = static_cast<std::size_t>(list_.count(t));
+                               write(from, size, static_cast<std::size_t>(list_.offsets[t]));
+                               from += size;
+                             }
+                           });
   }
 
   void resize(std::size_t entries) {

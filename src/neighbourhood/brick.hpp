@@ -70,10 +70,10 @@ class Brick {
 
   // Are keys in the order of candidates in ascending order?
   bool in_order() const { return images_.size() <= 1 && cells_.numbered_by_place(); }
-  // The measure of a distance, up to the roundings.
-  float measure_of(double distance) const {
-    const double r = distance * cells_.view().units;
-    return static_cast<float>(std::min(r * r, 1e38));
+  // The measure of a squared distance, up to the roundings.
+  float measure_of(double distance2) const {
+    const double units = cells_.view().units;
+    return static_cast<float>(std::min(distance2 * units * units, 1e38));
   }
 
   std::int64_t candidates() const { return candidates_.count; }
@@ -91,13 +91,14 @@ class Brick {
     const double r = radius * cells_.view().units;
     return around(r > error_ ? r - error_ : -1, r + error_);
   }
-  // Around the measure of one: what measures less than `sure` is nearer than that one, and what
-  // measures more than `possible` is farther.
-  Limits limits_of_measure(float measure) const {
+  // Around the measure of one that is within the radius: what measures less than `sure` is nearer than
+  // that one, and what measures more than `possible` is farther.
+  Limits limits_of_measure(float measure, S radius) const {
     if constexpr (std::is_same_v<S, float>) return {measure, measure};
-    const double r = std::sqrt(static_cast<double>(measure)),
-                 off = 2 * std::sqrt(double(D)) * error_;
-    return around(r > off ? (r - off) * (r - off) : -1, (r + off) * (r + off));
+    const double m = measure, off = 2 * std::sqrt(double(D)) * error_;
+    double r = radius * cells_.view().units;  // what the measured distance does not exceed
+    if (!(r * r < 4 * m)) r = std::sqrt(m);
+    return around(m - off * (2 * r + off), m + off * (2 * r + off));
   }
 
   // Those that measure at most `limit` from a target in the box, in order, into near().
@@ -121,8 +122,7 @@ class Brick {
   // must be k at least. See select_smallest().
   Smallest choose(std::int64_t k, float probably, bool ranked) {
     if (near_.count <= shared_.kernels.most_ranked) {
-      const auto& kernel =
-          ranked ? shared_.kernels.rank_smallest : shared_.kernels.select_smallest;
+      const auto& kernel = ranked ? shared_.kernels.rank_smallest : shared_.kernels.select_smallest;
       return kernel(near_, k, probably, rest_, buffers_.rank.data(), chosen_);
     }
     float* const sorted = buffers_.rank.data();
@@ -221,9 +221,8 @@ class Brick {
     for (int d = 0; d < D; ++d) {
       const auto low = static_cast<double>(lower[d]), high = static_cast<double>(upper[d]);
       const double most = std::max(std::abs(low), std::abs(high));
-      const double half =
-          far * (1 + 4 * eps) +
-          16 * eps * (std::abs(view.lower[d]) + std::abs(view.upper[d]) + most);
+      const double half = far * (1 + 4 * eps) +
+                          16 * eps * (std::abs(view.lower[d]) + std::abs(view.upper[d]) + most);
       box.from[d] = cell_on_axis(low - half, view.lower[d], view.inverse, view.counts[d]);
       box.to[d] = cell_on_axis(high + half, view.lower[d], view.inverse, view.counts[d]);
       const double first = cells_.on_coarse_scale(lower[d], d),

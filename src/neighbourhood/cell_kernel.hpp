@@ -97,21 +97,21 @@ struct Smallest {
 // need no ranks, or ranks among themselves only. All arrays have room for 64 more.
 // rank_smallest: the same in no order, with rank[i] = how many measure less than chosen i.
 // count_at_most: how many of the values are at most `limit`.
-#define RECON_CELL_KERNELS                                                                     \
-  template <class S, int D>                                                                    \
-  CollectResult collect(const CellView<S>& cells, const CellBox<S>& box, CandidateArrays& out); \
-  template <int D>                                                                             \
-  void near_ball(const CandidateArrays& from, std::int64_t begin, std::int64_t end,            \
-                 const float* x, float limit, NearArrays& out);                                \
-  template <int D>                                                                             \
-  void near_cube(const CandidateArrays& from, std::int64_t begin, std::int64_t end,            \
-                 const float* x, float limit, NearArrays& out);                                \
-  template <class T>                                                                           \
-  void ranks(T* values, std::int64_t count, T* rank);                                          \
-  Smallest select_smallest(const NearArrays& near, std::int64_t k, float probably,             \
-                           NearArrays& rest, float* rank, NearArrays& chosen);                 \
-  Smallest rank_smallest(const NearArrays& near, std::int64_t k, float probably,               \
-                         NearArrays& rest, float* rank, NearArrays& chosen);                   \
+#define RECON_CELL_KERNELS                                                                         \
+  template <class S, int D>                                                                        \
+  CollectResult collect(const CellView<S>& cells, const CellBox<S>& box, CandidateArrays& out);    \
+  template <int D>                                                                                 \
+  void near_ball(const CandidateArrays& from, std::int64_t begin, std::int64_t end,                \
+                 const float* x, float limit, NearArrays& out);                                    \
+  template <int D>                                                                                 \
+  void near_cube(const CandidateArrays& from, std::int64_t begin, std::int64_t end,                \
+                 const float* x, float limit, NearArrays& out);                                    \
+  template <class T>                                                                               \
+  void ranks(T* values, std::int64_t count, T* rank);                                              \
+  Smallest select_smallest(const NearArrays& near, std::int64_t k, float probably,                 \
+                           NearArrays& rest, float* rank, NearArrays& chosen);                     \
+  Smallest rank_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest, \
+                         float* rank, NearArrays& chosen);                                         \
   std::int64_t count_at_most(const float* values, std::int64_t count, float limit)
 RECON_FOR_EACH_SET(RECON_CELL_KERNELS)
 #undef RECON_CELL_KERNELS

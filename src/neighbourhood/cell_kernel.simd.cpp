@@ -32,9 +32,8 @@ inline __mmask16 first_lanes(std::int64_t count) {
 }
 
 inline __m512i numbers_from(std::int64_t first) {
-  return _mm512_add_epi32(
-      _mm512_set1_epi32(static_cast<int>(first)),
-      _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+  return _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
+                          _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
 }
 
 template <int D>
@@ -107,13 +106,11 @@ inline Smallest add_ranked(const NearArrays& near, const float* rank, float end,
   for (std::int64_t i = 0; i < near.count; i += lanes) {
     const __mmask16 there = first_lanes(near.count - i);
     const __m512 ranked = _mm512_loadu_ps(rank + i), measure = _mm512_loadu_ps(near.measure + i);
-    const __mmask16 kept =
-        _mm512_mask_cmp_ps_mask(there, ranked, _mm512_set1_ps(end), _CMP_LT_OQ);
+    const __mmask16 kept = _mm512_mask_cmp_ps_mask(there, ranked, _mm512_set1_ps(end), _CMP_LT_OQ);
     largest = _mm512_mask_max_ps(largest, kept, largest, measure);
     next = _mm512_mask_min_ps(next, static_cast<__mmask16>(there & ~kept), next, measure);
-    _mm512_storeu_ps(
-        all_ranks + chosen.count,
-        _mm512_maskz_compress_ps(kept, _mm512_add_ps(ranked, _mm512_set1_ps(more))));
+    _mm512_storeu_ps(all_ranks + chosen.count,
+                     _mm512_maskz_compress_ps(kept, _mm512_add_ps(ranked, _mm512_set1_ps(more))));
     put(near, i, kept, chosen);
   }
   return {chosen.count, _mm512_reduce_max_ps(largest), _mm512_reduce_min_ps(next)};
@@ -212,7 +209,8 @@ template <class S, int D>
 inline void collect_listed(const CellView<S>& cells, const CellBox<S>& box, Vectors& listed,
                            CandidateArrays& out) {
   CandidateArrays found = out;  // in registers
-  for (int v = 0; v < together; ++v) listed.first[listed.count + v] = listed.left[listed.count + v] = 0;
+  for (int v = 0; v < together; ++v)
+    listed.first[listed.count + v] = listed.left[listed.count + v] = 0;
   for (int v = 0; v < listed.count; v += together) {
     InBox<D> seen[together];
     for (int i = 0; i < together; ++i)
@@ -326,11 +324,23 @@ void ranks(T* values, std::int64_t count, T* rank) {
     rank_some<T, 1>(values, count, begin, rank);
 }
 
+namespace {
+
+// All ranked, in order.
+Smallest rank_all(const NearArrays& near, std::int64_t k, float* rank, NearArrays& chosen) {
+  ranks(near.measure, near.count, rank);
+  chosen.count = 0;
+  return add_ranked(near, rank, static_cast<float>(k), 0, rank, chosen);
+}
+
+}  // namespace
+
 Smallest rank_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest,
                        float* rank, NearArrays& chosen) {
+  if (near.count <= lanes) return rank_all(near, k, rank, chosen);
   chosen.count = rest.count = 0;
   part(near, probably, chosen, rest);
-  if (chosen.count >= k) return rank_smallest(near, k, -1, rest, rank, chosen);
+  if (chosen.count >= k) return rank_all(near, k, rank, chosen);
   const std::int64_t low = chosen.count;
   ranks(chosen.measure, low, rank);
   ranks(rest.measure, rest.count, rank + low);
@@ -340,9 +350,10 @@ Smallest rank_smallest(const NearArrays& near, std::int64_t k, float probably, N
 
 Smallest select_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest,
                          float* rank, NearArrays& chosen) {
+  if (near.count <= lanes) return rank_all(near, k, rank, chosen);
   chosen.count = rest.count = 0;
   part(near, probably, chosen, rest);
-  if (chosen.count >= k) return select_smallest(near, k, -1, rest, rank, chosen);
+  if (chosen.count >= k) return rank_all(near, k, rank, chosen);
   const std::int64_t low = chosen.count;
   ranks(rest.measure, rest.count, rank);
   chosen.count = 0;

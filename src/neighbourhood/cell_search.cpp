@@ -13,8 +13,8 @@ bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options
 template <int D, class Scalar>
 bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& targets,
                    const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
-                   const NeighbourOptions& options, bool may_build_tree,
-                   const RowsAsked& rows, NeighbourList<Scalar>& list) {
+                   const NeighbourOptions& options, bool may_build_tree, const RowsAsked& rows,
+                   NeighbourList<Scalar>& list) {
   require_valid_question(particles.cloud(), targets, rule, domain);
   SharedByTargets<Scalar, D> shared(particles, targets, rule, domain, options, rows.by_index,
                                     may_build_tree);
@@ -30,11 +30,10 @@ bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& 
   return true;
 }
 
-#define RECON_INSTANTIATE(S, D)                                                     \
-  template bool find_by_cells<D, S>(SearchIndex<S, D>&, const PointCloud<S>&,       \
-                                    const NeighbourRule&, const PeriodicDomain<S>&, \
-                                    const NeighbourOptions&, bool, const RowsAsked&,    \
-                                    NeighbourList<S>&)
+#define RECON_INSTANTIATE(S, D)                                                                 \
+  template bool find_by_cells<D, S>(                                                            \
+      SearchIndex<S, D>&, const PointCloud<S>&, const NeighbourRule&, const PeriodicDomain<S>&, \
+      const NeighbourOptions&, bool, const RowsAsked&, NeighbourList<S>&)
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE
 

@@ -33,7 +33,7 @@ bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options
 template <int D, class Scalar>
 bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& targets,
                    const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
-                   const NeighbourOptions& options, bool may_build_tree,
-                   const RowsAsked& rows, NeighbourList<Scalar>& list);
+                   const NeighbourOptions& options, bool may_build_tree, const RowsAsked& rows,
+                   NeighbourList<Scalar>& list);
 
 }  // namespace recon::detail

@@ -25,7 +25,7 @@ class CellTargets {
         brick_(shared, buffers),
         row_(shared.kernels, buffers),
         far_(buffers.far),
-        near_(shared.start) {}
+        near2_(shared.start * shared.start) {}
 
   // The keys of the neighbours of the target that is told of, in order.
   const Key* begin() const { return row_.begin(); }
@@ -114,9 +114,8 @@ class CellTargets {
       if (upper[d] - lower[d] > upper[axis] - lower[axis]) axis = d;
     if (!(upper[axis] > lower[axis])) return {};
     const auto middle = targets.begin() + count / 2;
-    std::nth_element(targets.begin(), middle, targets.end(), [axis](const auto& a, const auto& b) {
-      return a.x[axis] < b.x[axis];
-    });
+    std::nth_element(targets.begin(), middle, targets.end(),
+                     [axis](const auto& a, const auto& b) { return a.x[axis] < b.x[axis]; });
     return targets.first(static_cast<std::size_t>(count / 2));
   }
 
@@ -159,20 +158,19 @@ class CellTargets {
     brick_.look(target.x, limits.possible);
     Smallest smallest{0, 0, 0};
     if (brick_.near().count >= k)
-      smallest = brick_.choose(k, brick_.measure_of(0.93 * near_), !shared_.by_index);
+      smallest = brick_.choose(k, brick_.measure_of(likely2_ * near2_), !shared_.by_index);
     if (smallest.count < k || smallest.largest > limits.sure) {
       if (radius < question.radius) return false;
       look(target, limits, radius);  // all that there are within the limit
       farthest2 = of_taken();
     } else {
-      const Limits about = brick_.limits_of_measure(smallest.largest);
+      const Limits about = brick_.limits_of_measure(smallest.largest, radius);
       if (smallest.count == k && smallest.next > about.possible) {
         const std::size_t far = fetch_beyond(about.sure);
         take(brick_.chosen());
-        const bool ordered =
-            shared_.by_index ||
-            (brick_.rank() && row_.by_rank(brick_.rank(), brick_.chosen().measure,
-                                           about.possible - smallest.largest));
+        const bool ordered = shared_.by_index ||
+                             (brick_.rank() && row_.by_rank(brick_.rank(), brick_.chosen().measure,
+                                                            about.possible - smallest.largest));
         farthest2 = ordered ? farthest_of(far) : of_taken();
         in_order = ordered && brick_.in_order();
       } else {  // it is the coordinates that tell which of them are the nearest
@@ -182,7 +180,7 @@ class CellTargets {
       }
     }
     if (shared_.by_index && !in_order) row_.by_index();
-    if (size() > 0) learn(std::sqrt(static_cast<double>(farthest2)));
+    if (size() > 0) learn(static_cast<double>(farthest2));
     if (question.factor == 0) {
       found(target.number, question.radius);
       return true;
@@ -239,7 +237,7 @@ class CellTargets {
     if (!periodic && (shared_.particles.size() <= few || 2 * k_ >= shared_.particles.size()))
       return limit;
     const double least = std::sqrt(static_cast<double>(std::numeric_limits<S>::min()));
-    return std::min(limit, std::max(near_ * shared_.widening, least));
+    return std::min(limit, std::max(std::sqrt(near2_) * shared_.widening, least));
   }
 
   S larger_guess(const Point& x, S radius, std::int64_t count) const {
@@ -261,9 +259,9 @@ class CellTargets {
   }
 
   // The k-th distance of the next target is likely that of the last ones.
-  void learn(double distance) {
-    const bool jump = distance > 2 * near_ || distance < near_ / 2;
-    near_ += (distance - near_) * (jump ? 1 : 0.125);
+  void learn(double distance2) {
+    const bool jump = distance2 > 4 * near2_ || distance2 < near2_ / 4;
+    near2_ += (distance2 - near2_) * (jump ? 1 : 0.125);
   }
 
   S farthest_along_axis(const Point& target) const {
@@ -305,9 +303,8 @@ class CellTargets {
       const S rho = std::visit([&](const auto& r) { return neighbours.find(target.number, r); },
                                shared_.rule);
       const auto& entries = neighbours.entries();
-      row_.take(static_cast<std::int64_t>(entries.size()), [&](std::size_t i) {
-        return Coding::of(entries[i].index, entries[i].shift);
-      });
+      row_.take(static_cast<std::int64_t>(entries.size()),
+                [&](std::size_t i) { return Coding::of(entries[i].index, entries[i].shift); });
       if (shared_.by_index) row_.by_index();
       found(target.number, rho);
     }
@@ -321,9 +318,12 @@ class CellTargets {
   KeyOrder<S, D, periodic> row_;
   const NearArrays* taken_ = nullptr;
   std::vector<std::uint32_t>& far_;
-  const std::size_t k_ = periodic ? shared_.question.k
-                                  : std::min(shared_.question.k, shared_.particles.size());
-  double near_;                   // k-th distance of the latest targets
+  const std::size_t k_ =
+      periodic ? shared_.question.k : std::min(shared_.question.k, shared_.particles.size());
+  double near2_;  // squared k-th distance of the latest targets
+  // What part of it fewer than k do not exceed in nine of ten random clouds.
+  const double likely2_ =
+      std::max(0.0, 1 - 2.6 / (shared_.axes * std::sqrt(std::max(1.0, static_cast<double>(k_)))));
   int skip_ = 0, next_skip_ = 0;  // groups to be left to the tree without a try
   std::optional<TargetNeighbours<CellGrid<S, D>>> general_;
   std::shared_ptr<const KdTree<S, D>> tree_;

@@ -114,8 +114,7 @@ void Cloud<Scalar>::build(int threads) {
     kept.index.start_anew(nullptr);
     kept.ordered->sorted_cells().build(incoming_, size, threads);
   } else {
-    kept_ = Pointer(
-        new Kept<D>{std::make_shared<CellGrid<Scalar, D>>(incoming_, size, threads)});
+    kept_ = Pointer(new Kept<D>{std::make_shared<CellGrid<Scalar, D>>(incoming_, size, threads)});
   }
   Kept<D>& kept = *std::get<Pointer>(kept_);
   Cells<Scalar, D>& cells = kept.ordered->sorted_cells();

@@ -63,11 +63,10 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
   }
 }
 
-#define RECON_INSTANTIATE(S, D)                                                       \
-  template void find_with_index<D, S>(SearchIndex<S, D>&, const PointCloud<S>&,       \
-                                      const NeighbourRule&, const PeriodicDomain<S>&, \
-                                      const NeighbourOptions&, const RowsAsked&,      \
-                                      NeighbourList<S>&)
+#define RECON_INSTANTIATE(S, D)                                                                 \
+  template void find_with_index<D, S>(                                                          \
+      SearchIndex<S, D>&, const PointCloud<S>&, const NeighbourRule&, const PeriodicDomain<S>&, \
+      const NeighbourOptions&, const RowsAsked&, NeighbourList<S>&)
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE
 

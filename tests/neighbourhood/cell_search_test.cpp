@@ -232,7 +232,8 @@ TYPED_TEST(CellSearch, EqualsBruteForceWhereRoundedCoordinatesCannotTell) {
   }
   // A small cloud far from the origin, one with a particle far from the others, a long thin one,
   // coincident ones among others, and dense spots whose width no float about their brick resolves.
-  auto far = random_points<Scalar, D>(600, 1), with_stray = far, thin = far, spots = far, same = far;
+  auto far = random_points<Scalar, D>(600, 1), with_stray = far, thin = far, spots = far,
+       same = far;
   for (auto& x : far)
     for (auto& c : x) c += Scalar(sizeof(Scalar) == 4 ? 1e3 : 1e9);
   with_stray[5].fill(Scalar(1e7));

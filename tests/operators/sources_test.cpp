@@ -306,8 +306,8 @@ TEST(Sources, RowsHoldTheNeighboursInOneOrder) {
          {NeighbourRule(Nearest{17}), NeighbourRule(NearestWithin{9, 0.1}),
           NeighbourRule(Radius{0.11})}) {
       const Sources sources(points_of(points), {.domain = domain});
-      const auto expected = find_neighbours(sources, points_of(targets), rule,
-                                            {.search = SearchMethod::brute_force});
+      const auto expected =
+          find_neighbours(sources, points_of(targets), rule, {.search = SearchMethod::brute_force});
       for (const int threads : {1, 2, 3}) {
         const Reconstruction fit = reconstruct(
             sources, points_of(targets), {.degree = 0, .neighbours = rule, .threads = threads});
