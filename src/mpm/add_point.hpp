@@ -3,7 +3,8 @@
 
 #include <cmath>
 
-#include "recon/mpm/simulation.hpp"
+#include "recon/mpm/nodes.hpp"
+#include "recon/transfer/node_functions.hpp"
 
 namespace recon::mpm {
 

@@ -8,10 +8,10 @@ namespace recon::mpm {
 namespace {
 
 template <int D>
-std::vector<double> particle_volumes(const Problem<D>& problem) {
-  std::vector<double> volume(problem.grid.cell_count());
-  for (std::size_t p = 0; p < problem.particles.size(); ++p)
-    volume[problem.grid.cell_number(problem.particles.x[p])] += problem.particles.volume(p);
+std::vector<double> particle_volumes(const Grid<D>& grid, const Particles<D>& particles) {
+  std::vector<double> volume(grid.cell_count());
+  for (std::size_t p = 0; p < particles.size(); ++p)
+    volume[grid.cell_number(particles.x[p])] += particles.volume(p);
   return volume;
 }
 
@@ -41,39 +41,77 @@ bool is_full(const Grid<D>& grid, const std::vector<double>& volume, std::size_t
 }
 
 template <int D>
-std::vector<double> fill_of(const Problem<D>& problem) {
-  const std::vector<double> volume = particle_volumes(problem);
+std::vector<double> fill_of(const Grid<D>& grid, const Particles<D>& particles) {
+  const std::vector<double> volume = particle_volumes(grid, particles);
   std::vector<double> fill(volume.size());
   for (std::size_t c = 0; c < volume.size(); ++c)
     if (volume[c] > 0)
-      fill[c] = is_full(problem.grid, volume, c)
-                    ? 1
-                    : std::min(1.0, volume[c] / std::pow(problem.grid.h(), D));
+      fill[c] = is_full(grid, volume, c) ? 1 : std::min(1.0, volume[c] / std::pow(grid.h(), D));
   return fill;
 }
 
-// Degrees above 2 want more particles than a quadratic spline sees.
 template <int D>
-void fit(const Problem<D>& problem, const FieldView<double>& field,
-         const StructuredGrid<double>& targets, Weight weight, Cells<D>& cells) {
-  const int degree = problem.method.degree;
-  auto made = reconstruct_on_grid(points_of(problem.particles.x), {field}, targets,
-                                  {.degree = degree,
-                                   .weight = degree <= 2 ? weight : Weight::cubic_b_spline,
-                                   .threads = problem.threads});
-  cells.fit = made.report();
-  cells.values = std::move(made).values();
-}
+class CellQuadrature : public QuadraturePolicy<D> {
+ public:
+  explicit CellQuadrature(const Problem<D>& problem) : problem_(problem) {}
+
+  FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
+                           Nodes<D>& nodes) const override {
+    const Grid<D>& grid = problem_.grid;
+    const bool at_nodes = problem_.method.quadrature == Quadrature::nodal_cells;
+    const QuadratureData<D> data(s.particles, b, false, problem_.threads);
+    fit(data.field(), s.particles, at_nodes ? grid.nodes() : cell_centres(grid.nodes()),
+        at_nodes ? Weight::cubic_b_spline : Weight::quadratic_b_spline, cells);
+    cells.fill = fill_of(grid, s.particles);
+
+    const CellPoints<D> points(grid, at_nodes ? 2 : 1);
+    const LinearFunctions linear;
+    LinearFunctions::Nodes<D> shape;
+    std::vector<double> values(static_cast<std::size_t>(data.columns()));
+    for (std::size_t c = 0; c < cells.fill.size(); ++c) {
+      if (!(cells.fill[c] > 0)) continue;
+      for (std::size_t g = 0; g < points.per_cell(); ++g) {
+        linear.at(grid, points.at(c, g), shape);
+        for (int k = 0; k < data.columns(); ++k) {
+          double& value = values[static_cast<std::size_t>(k)];
+          if (!at_nodes) {
+            value = cells.values(static_cast<Eigen::Index>(c), k);
+            continue;
+          }
+          value = 0;
+          for (std::size_t n = 0; n < shape.size(); ++n)
+            value += shape.S[n] * cells.values(shape.node[n], k);
+        }
+        add_point(shape, cells.fill[c] * points.volume(), values.data(), !b.empty(), false, nodes);
+      }
+    }
+    return {.mass_and_force = false};
+  }
+
+ private:
+  // Degrees above 2 want more particles than a quadratic spline sees.
+  void fit(const FieldView<double>& field, const Particles<D>& particles,
+           const StructuredGrid<double>& targets, Weight weight, Cells<D>& cells) const {
+    const int degree = problem_.method.degree;
+    auto made = reconstruct_on_grid(points_of(particles.x), {field}, targets,
+                                    {.degree = degree,
+                                     .weight = degree <= 2 ? weight : Weight::cubic_b_spline,
+                                     .threads = problem_.threads});
+    cells.fit = made.report();
+    cells.values = std::move(made).values();
+  }
+
+  const Problem<D>& problem_;
+};
 
 }  // namespace
 
 template <int D>
-QuadratureData<D>::QuadratureData(const Problem<D>& problem, const std::vector<Vector<D>>& b,
-                                  bool momentum)
+QuadratureData<D>::QuadratureData(const Particles<D>& particles, const std::vector<Vector<D>>& b,
+                                  bool momentum, int threads)
     : columns_(1 + D * (D + 1) / 2 + (b.empty() ? 0 : D) + (momentum ? D : 0)) {
-  const Particles<D>& particles = problem.particles;
   data_.resize(particles.size() * static_cast<std::size_t>(columns_));
-  parallel_blocks(particles.size(), 4096, problem.threads, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(particles.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       double* out = data_.data() + p * static_cast<std::size_t>(columns_);
       const double density = particles.density(p);
@@ -93,52 +131,23 @@ FieldView<double> QuadratureData<D>::field() const {
 }
 
 template <int D>
-std::vector<double> full_cells(const Problem<D>& problem) {
-  const std::vector<double> volume = particle_volumes(problem);
+std::vector<double> full_cells(const Grid<D>& grid, const Particles<D>& particles) {
+  const std::vector<double> volume = particle_volumes(grid, particles);
   std::vector<double> full(volume.size());
   for (std::size_t c = 0; c < volume.size(); ++c)
-    full[c] = volume[c] > 0 && is_full(problem.grid, volume, c) ? 1 : 0;
+    full[c] = volume[c] > 0 && is_full(grid, volume, c) ? 1 : 0;
   return full;
 }
 
 template <int D>
-void integrate_cells(const Problem<D>& problem, const std::vector<Vector<D>>& b, Cells<D>& cells,
-                     Nodes<D>& nodes) {
-  const Grid<D>& grid = problem.grid;
-  const bool at_nodes = problem.method.quadrature == Quadrature::nodal_cells;
-  const QuadratureData<D> data(problem, b, false);
-  fit(problem, data.field(), at_nodes ? grid.nodes() : cell_centres(grid.nodes()),
-      at_nodes ? Weight::cubic_b_spline : Weight::quadratic_b_spline, cells);
-  cells.fill = fill_of(problem);
-
-  const CellPoints<D> points(grid, at_nodes ? 2 : 1);
-  const LinearFunctions linear;
-  LinearFunctions::Nodes<D> shape;
-  std::vector<double> values(static_cast<std::size_t>(data.columns()));
-  for (std::size_t c = 0; c < cells.fill.size(); ++c) {
-    if (!(cells.fill[c] > 0)) continue;
-    for (std::size_t g = 0; g < points.per_cell(); ++g) {
-      linear.at(grid, points.at(c, g), shape);
-      for (int k = 0; k < data.columns(); ++k) {
-        double& value = values[static_cast<std::size_t>(k)];
-        if (!at_nodes) {
-          value = cells.values(static_cast<Eigen::Index>(c), k);
-          continue;
-        }
-        value = 0;
-        for (std::size_t n = 0; n < shape.size(); ++n)
-          value += shape.S[n] * cells.values(shape.node[n], k);
-      }
-      add_point(shape, cells.fill[c] * points.volume(), values.data(), !b.empty(), false, nodes);
-    }
-  }
+std::unique_ptr<const QuadraturePolicy<D>> over_cells(const Problem<D>& problem) {
+  return std::make_unique<CellQuadrature<D>>(problem);
 }
 
-#define RECON_INSTANTIATE(D)                                                                 \
-  template class QuadratureData<D>;                                                          \
-  template std::vector<double> full_cells(const Problem<D>&);                                \
-  template void integrate_cells(const Problem<D>&, const std::vector<Vector<D>>&, Cells<D>&, \
-                                Nodes<D>&);
+#define RECON_INSTANTIATE(D)                                                    \
+  template class QuadratureData<D>;                                             \
+  template std::vector<double> full_cells(const Grid<D>&, const Particles<D>&); \
+  template std::unique_ptr<const QuadraturePolicy<D>> over_cells(const Problem<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

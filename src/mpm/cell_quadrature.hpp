@@ -6,7 +6,7 @@
 // depends on how particles are spread over cells.
 #pragma once
 
-#include "recon/mpm/simulation.hpp"
+#include "mpm/policies.hpp"
 
 namespace recon::mpm {
 
@@ -16,7 +16,8 @@ namespace recon::mpm {
 template <int D>
 class QuadratureData {
  public:
-  QuadratureData(const Problem<D>& problem, const std::vector<Vector<D>>& b, bool momentum);
+  QuadratureData(const Particles<D>& particles, const std::vector<Vector<D>>& b, bool momentum,
+                 int threads);
 
   int columns() const { return columns_; }
   FieldView<double> field() const;
@@ -31,13 +32,14 @@ class QuadratureData {
 
 // 1 for cells that hold particles, as do all their neighbours, else 0.
 template <int D>
-std::vector<double> full_cells(const Problem<D>& problem);
+std::vector<double> full_cells(const Grid<D>& grid, const Particles<D>& particles);
 
-// Fits and adds to the mass and force of the nodes, for the quadratures `cells` (fitted at the
-// centre of each cell, its only point) and `nodal_cells` (fitted at the nodes, linear between them,
-// integrated exactly). b: body force per mass of the particles, or empty.
+// Over the cells, fitted at the centre of each, its only point (`cells`), or at the nodes, linear
+// between them and integrated exactly (`nodal_cells`).
 template <int D>
-void integrate_cells(const Problem<D>& problem, const std::vector<Vector<D>>& b, Cells<D>& cells,
-                     Nodes<D>& nodes);
+std::unique_ptr<const QuadraturePolicy<D>> over_cells(const Problem<D>& problem);
+// At Gauss points of the cells that are full: taylor_cells and gauss_cells (gauss_quadrature.cpp).
+template <int D>
+std::unique_ptr<const QuadraturePolicy<D>> at_gauss_points(const Problem<D>& problem);
 
 }  // namespace recon::mpm

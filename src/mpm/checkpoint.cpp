@@ -6,6 +6,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "mpm/finite.hpp"
 #include "mpm/identity.hpp"
 #include "mpm/sealed_file.hpp"
 #include "recon/io/atomic_file.hpp"
@@ -119,55 +120,20 @@ struct Reader {
   }
 };
 
-// Calls each(name, array) for all that every checkpoint holds of its particles.
-template <class Each, class AnyParticles>
-void for_all_arrays(const Each& each, AnyParticles& particles) {
-  each("X", particles.X);
-  each("x", particles.x);
-  each("v", particles.v);
-  each("F", particles.F);
-  each("L", particles.L);
-  each("stress", particles.stress);
-  each("half_edges", particles.half_edges);
-  each("mass", particles.mass);
-  each("volume0", particles.volume0);
-  each("energy", particles.energy);
-  each("body", particles.body);
-}
-
 constexpr std::size_t most_frames = 1000001;
-
-bool all_finite(double value) {
-  return std::isfinite(value);
-}
-bool all_finite(std::int32_t) {
-  return true;
-}
-template <int R, int C>
-bool all_finite(const Eigen::Matrix<double, R, C>& value) {
-  return value.allFinite();
-}
-template <class T, std::size_t N>
-bool all_finite(const std::array<T, N>& values) {
-  for (const T& value : values)
-    if (!all_finite(value)) return false;
-  return true;
-}
 
 // What the particles of a run are, and those of this problem.
 template <int D>
-void check_particles(const Reader& read, const Particles<D>& found, const Problem<D>& problem) {
-  const Particles<D>& now = problem.particles;
+void check_particles(const Reader& read, const Particles<D>& found, const Problem<D>& problem,
+                     const Particles<D>& now) {
   const auto bad = [&](std::size_t p, const std::string& what) {
     throw FileError(read.path, 0, "particle " + std::to_string(p) + ": " + what);
   };
-  const auto finite = [&](const char* name, const auto& values, std::size_t per_particle = 1) {
+  found.arrays(problem.kept(), [&](const ParticleArray& array, const auto& values) {
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (!all_finite(values[i])) bad(i / per_particle, std::string(name) + " is not finite");
-  };
-  for_all_arrays([&](const char* name, const auto& values) { finite(name, values); }, found);
-  finite("corners", found.corners);
-  finite("modes", found.modes, found.modes.size() / std::max<std::size_t>(found.size(), 1));
+      if (!is_finite(values[i]))
+        bad(i / array.per_particle, std::string(array.name) + " is not finite");
+  });
   // The particles of the problem are made anew in each run, perhaps with other roundings.
   constexpr double same = 1e-9;
   const double length = same * problem.grid.h();
@@ -201,11 +167,12 @@ void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& si
     const Writer write{path, file};
     write.check(file >= 0);
     const Particles<D>& particles = simulation.particles();
-    const std::string problem = to_text(identity_of(simulation.problem()));
+    const std::string problem = to_text(identity_of(simulation.problem(), particles));
     write.put("problem", problem.data(), problem.size());
-    for_all_arrays(write, particles);
-    if (!particles.corners.empty()) write("corners", particles.corners);
-    if (!particles.modes.empty()) write("modes", particles.modes);
+    particles.arrays(simulation.problem().kept(),
+                     [&](const ParticleArray& array, const auto& values) {
+                       if (array.per_particle > 0) write(array.name, values);
+                     });
     write("frame_times", state.frame_times);
     write.attribute("time", simulation.time());
     write.attribute("steps", static_cast<double>(simulation.steps()));
@@ -242,16 +209,16 @@ RunState read_checkpoint(const std::filesystem::path& path, Simulation<D>& simul
   const Problem<D>& problem = simulation.problem();
   std::string identity;
   read.read("problem", identity, read.file_size, true);
-  const std::string differs = difference(identity_from(identity), identity_of(problem));
+  const std::string differs =
+      difference(identity_from(identity), identity_of(problem, simulation.particles()));
   if (!differs.empty()) throw FileError(path, 0, "is a checkpoint of another problem: " + differs);
 
   Particles<D> particles;
-  const Particles<D>& now = problem.particles;
-  for_all_arrays([&](const char* name, auto& values) { read.read(name, values, now.size()); },
-                 particles);
-  if (!now.corners.empty()) read.read("corners", particles.corners, now.corners.size());
-  if (!now.modes.empty()) read.read("modes", particles.modes, now.modes.size());
-  check_particles(read, particles, problem);
+  const std::size_t count = simulation.particles().size();
+  particles.arrays(problem.kept(), [&](const ParticleArray& array, auto& values) {
+    if (array.per_particle > 0) read.read(array.name, values, count * array.per_particle);
+  });
+  check_particles(read, particles, problem, simulation.particles());
 
   RunState state;
   read.read("frame_times", state.frame_times, most_frames, true);

@@ -140,7 +140,7 @@ std::vector<ComparisonRow> compare(const LoadProblem& load, const ComparisonStud
     }
     row.method = method;
     if (study.stable_steps && row.refusal.empty())
-      row.stable = stability_limit(method_named(method), per_cell).measured;
+      row.stable = stability_limit(composed(method), per_cell).measured;
     rows.push_back(std::move(row));
   }
   return rows;

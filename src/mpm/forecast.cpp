@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <fstream>
 
-#include "mpm/modes.hpp"
 #include "recon/local_solve/report.hpp"
 
 namespace recon::mpm {
@@ -43,7 +42,7 @@ double bytes_of_node(const Method& method) {
 
 // Of a particle, while a step is made: its place in the order of slabs, and copies.
 template <int D>
-double bytes_in_step(const Method& method) {
+double bytes_in_step(const Method& method, const Kept& kept) {
   constexpr double value = sizeof(double);
   double bytes = 2 * sizeof(std::uint32_t);
   const double points = method.velocity == VelocityMap::cpls ? 1 + (1 << D) : 1;
@@ -52,7 +51,7 @@ double bytes_in_step(const Method& method) {
   // particles for each node, so of 4^D nodes for each particle.
   if (method.velocity == VelocityMap::imls) bytes += 1.3 * std::pow(4, D) * (value + 4);
   if (method.update == Update::runge_kutta)
-    bytes += bytes_of_particle<D>(method) + value * (2 * D + 2 * D * D);
+    bytes += bytes_of_particle<D>(kept) + 2 * value * (2 * D + 2 * D * D);
   if (method.update == Update::xpic || method.update == Update::fmpm) bytes += value * D;
   if (method.mass == MassMatrix::consistent)
     bytes += std::pow(method.basis == Basis::linear ? 4 : 9, D) * 16;
@@ -61,13 +60,12 @@ double bytes_in_step(const Method& method) {
 
 // Has a cell of the grid no particle? Then there is a free surface.
 template <int D>
-bool has_empty_cells(const Problem<D>& problem) {
-  const Grid<D>& grid = problem.grid;
+bool has_empty_cells(const Grid<D>& grid, const Particles<D>& particles) {
   std::size_t cells = 1;
   for (int d = 0; d < D; ++d) cells *= static_cast<std::size_t>(grid.cells(d));
-  if (cells > problem.particles.size()) return true;
+  if (cells > particles.size()) return true;
   std::vector<bool> filled(cells);
-  for (const Vector<D>& x : problem.particles.x) {
+  for (const Vector<D>& x : particles.x) {
     std::size_t cell = 0;
     for (int d = D - 1; d >= 0; --d)
       cell = cell * static_cast<std::size_t>(grid.cells(d)) +
@@ -88,27 +86,33 @@ double available_memory() {
 }
 
 template <int D>
-double bytes_of_particle(const Method& method) {
-  const double numbers = 3 * D + 4 * D * D + 3 + (method.domain == Domain::cpdi2 ? D << D : 0) +
-                         D * mode_count(method.velocity, D);
-  return numbers * sizeof(double) + sizeof(std::int32_t);
+double bytes_of_particle(const Kept& kept) {
+  double bytes = 0;
+  Particles<D>().arrays(kept, [&](const ParticleArray& array, const auto& values) {
+    bytes += static_cast<double>(array.per_particle *
+                                 sizeof(typename std::decay_t<decltype(values)>::value_type));
+  });
+  return bytes;
 }
 
+namespace {
+
 template <int D>
-Forecast forecast(const Problem<D>& problem, double time) {
+Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles, double time) {
   Forecast found;
-  found.particles = problem.particles.size();
+  const Kept kept = problem.kept();
+  found.particles = particles.size();
   found.nodes = problem.grid.size();
   found.available_memory = available_memory();
   const double forces = problem.body_force ? D * sizeof(double) : 0;
   found.memory =
       static_cast<double>(found.particles) *
-          (2 * bytes_of_particle<D>(problem.method) + bytes_in_step<D>(problem.method) + forces) +
+          (2 * bytes_of_particle<D>(kept) + bytes_in_step<D>(problem.method, kept) + forces) +
       static_cast<double>(found.nodes) * bytes_of_node<D>(problem.method);
-  found.step = choose_step(problem);
+  found.step = choose_step(problem, particles);
   if (std::isfinite(problem.time.end))
     found.steps = std::ceil((problem.time.end - time) / found.step.dt * (1 - 1e-12));
-  const double courant = courant_of(problem, found.step.dt);
+  const double courant = courant_of(problem, particles, found.step.dt);
   const double stable = problem.method.stable_courant(D);
   if (courant > stable)
     found.warnings.push_back(
@@ -116,9 +120,21 @@ Forecast forecast(const Problem<D>& problem, double time) {
         " h / (c_p + |v|); the method " + problem.method.name + " is known to be stable up to " +
         number(stable) + " in " + std::to_string(D) + "-D: it may break, or gain energy");
   const std::string caveat = problem.method.caveat();
-  if (!caveat.empty() && (is_element(problem.method.basis) || has_empty_cells(problem)))
+  if (!caveat.empty() &&
+      (is_element(problem.method.basis) || has_empty_cells(problem.grid, particles)))
     found.warnings.push_back(caveat);
   return found;
+}
+
+}  // namespace
+
+template <int D>
+Forecast forecast(const Problem<D>& problem) {
+  return forecast_from(problem, problem.particles, 0);
+}
+template <int D>
+Forecast forecast(const Problem<D>& problem, const State<D>& state) {
+  return forecast_from(problem, state.particles, state.time);
 }
 
 template <int D>
@@ -141,9 +157,10 @@ void require_possible(const Problem<D>& problem, const Forecast& forecast, doubl
                                  "is too short to move the clock at " + number(time));
 }
 
-#define RECON_INSTANTIATE(D)                             \
-  template double bytes_of_particle<D>(const Method&);   \
-  template Forecast forecast(const Problem<D>&, double); \
+#define RECON_INSTANTIATE(D)                                      \
+  template double bytes_of_particle<D>(const Kept&);              \
+  template Forecast forecast(const Problem<D>&);                  \
+  template Forecast forecast(const Problem<D>&, const State<D>&); \
   template void require_possible(const Problem<D>&, const Forecast&, double);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

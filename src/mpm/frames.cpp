@@ -43,7 +43,13 @@ Tensor full_stress(const Problem<D>& problem, const Particles<D>& particles, std
   if constexpr (D < 3)
     beyond = std::visit(
         [&](const auto& material) {
-          return material.template out_of_plane<D>(particles.F[p], particles.stress[p]);
+          if constexpr (history_of<std::decay_t<decltype(material)>>() > 0) {
+            const std::size_t history = particles.history.size() / particles.size();
+            return material.template out_of_plane<D>(particles.F[p], particles.stress[p],
+                                                     &particles.history[p * history]);
+          } else {
+            return material.template out_of_plane<D>(particles.F[p], particles.stress[p]);
+          }
         },
         problem.materials[static_cast<std::size_t>(particles.body[p])]);
   return full<D>(particles.stress[p], beyond);

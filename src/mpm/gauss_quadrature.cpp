@@ -1,9 +1,20 @@
-#include "mpm/gauss_quadrature.hpp"
-
+// Quadrature at Gauss points of reconstructed density, momentum and stress in the cells that are
+// full; in all other cells the particles are the quadrature points.
+//
+//   taylor_cells  in each cell u = a_1 + sum_k a_k psi_k with psi of mean zero, of xi = (x - x_c) /
+//                 (h / 2): xi_d, xi_d^2 / 2 - 1/6 and xi_d xi_e. For density and momentum a_1 is
+//                 the sum of the particles' masses and momenta over the volume of the cell, so that
+//                 the integral is theirs whatever the rest; a_k by least squares of u_p - a_1. For
+//                 the stress all by least squares (Wobbes, Moller, Galavi, Vuik 2018). Without the
+//                 quadratic psi where a cell holds too few particles for them
+//   gauss_cells   moving least squares at each Gauss point, cubic B-spline of support 2 h
+//                 (Tran, Wobbes, Solowski, Moller, Vuik 2019)
 #include <Eigen/QR>
 
 #include "core/counting_sort.hpp"
 #include "mpm/add_point.hpp"
+#include "mpm/cell_quadrature.hpp"
+#include "mpm/mass.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -12,11 +23,12 @@ namespace {
 template <int D>
 class GaussFits {
  public:
-  GaussFits(const Problem<D>& problem, const QuadratureData<D>& data, const CellPoints<D>& points) {
+  GaussFits(const Problem<D>& problem, const Particles<D>& particles, const QuadratureData<D>& data,
+            const CellPoints<D>& points) {
     for (std::size_t g = 0; g < points.per_cell(); ++g) {
       StructuredGrid<double> targets = cell_centres(problem.grid.nodes());
       for (int d = 0; d < D; ++d) targets.origin[d] = problem.grid.lower()[d] + points.place(g)[d];
-      fits_.push_back(reconstruct_on_grid(points_of(problem.particles.x), {data.field()}, targets,
+      fits_.push_back(reconstruct_on_grid(points_of(particles.x), {data.field()}, targets,
                                           {.degree = problem.method.degree,
                                            .weight = Weight::cubic_b_spline,
                                            .threads = problem.threads}));
@@ -33,10 +45,9 @@ class GaussFits {
 template <int D>
 class TaylorFits {
  public:
-  TaylorFits(const Problem<D>& problem, const QuadratureData<D>& data, const CellPoints<D>& points,
-             bool body_force)
-      : problem_(problem), data_(data), points_(points) {
-    const Particles<D>& particles = problem.particles;
+  TaylorFits(const Problem<D>& problem, const Particles<D>& particles,
+             const QuadratureData<D>& data, const CellPoints<D>& points, bool body_force)
+      : grid_(problem.grid), particles_(particles), data_(data), points_(points) {
     const std::span<std::uint32_t> cell = by_cell_.keys(particles.size());
     for (std::size_t p = 0; p < particles.size(); ++p)
       cell[p] = static_cast<std::uint32_t>(problem.grid.cell_number(particles.x[p]));
@@ -53,7 +64,7 @@ class TaylorFits {
   static constexpr int linear = 1 + D, quadratic = linear + D * (D + 1) / 2;
 
   Eigen::RowVectorXd psi(const Vector<D>& x) const {
-    const Vector<D> xi = (x - centre_) / (problem_.grid.h() / 2);
+    const Vector<D> xi = (x - centre_) / (grid_.h() / 2);
     Eigen::RowVectorXd row(coefficients_.rows());
     row[0] = 1;
     int k = 1;
@@ -75,13 +86,13 @@ class TaylorFits {
       centre_ += points_.at(c, g) / static_cast<double>(points_.per_cell());
 
     Eigen::MatrixXd A(count, terms), u(count, data_.columns());
-    const double volume = std::pow(problem_.grid.h(), D);
+    const double volume = std::pow(grid_.h(), D);
     Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(data_.columns());
     for (int k = 0; k < count; ++k) {
       const std::size_t p = numbers[k];
-      A.row(k) = psi(problem_.particles.x[p]);
+      A.row(k) = psi(particles_.x[p]);
       u.row(k) = Eigen::Map<const Eigen::RowVectorXd>(data_.row(p), data_.columns());
-      mean += problem_.particles.volume(p) / volume * u.row(k);
+      mean += particles_.volume(p) / volume * u.row(k);
     }
     const auto is_conserved = [&](int column) { return column == 0 || column >= first_momentum_; };
     Eigen::MatrixXd rest = u;
@@ -99,7 +110,8 @@ class TaylorFits {
     }
   }
 
-  const Problem<D>& problem_;
+  const Grid<D>& grid_;
+  const Particles<D>& particles_;
   const QuadratureData<D>& data_;
   const CellPoints<D>& points_;
   recon::detail::CountingSort by_cell_;
@@ -109,41 +121,58 @@ class TaylorFits {
   Eigen::MatrixXd coefficients_;  // a row for each function
 };
 
-}  // namespace
-
 template <int D>
-void integrate_gauss(const Problem<D>& problem, const std::vector<Vector<D>>& b,
-                     const std::vector<double>& full, Nodes<D>& nodes, MassEntries* entries) {
-  const Grid<D>& grid = problem.grid;
-  const QuadratureData<D> data(problem, b, true);
-  const CellPoints<D> points(grid, 2);
-  const auto integrate = [&](auto&& values) {
-    with_shape(problem.method, [&](auto shape_of) {
+class GaussQuadrature : public QuadraturePolicy<D> {
+ public:
+  explicit GaussQuadrature(const Problem<D>& problem) : problem_(problem) {}
+
+  FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
+                           Nodes<D>& nodes) const override {
+    const Particles<D>& particles = s.particles;
+    cells.fill = full_cells(problem_.grid, particles);
+    const QuadratureData<D> data(particles, b, true, problem_.threads);
+    const CellPoints<D> points(problem_.grid, 2);
+    if (problem_.method.quadrature == Quadrature::taylor_cells)
+      integrate(TaylorFits<D>(problem_, particles, data, points, !b.empty()), points, !b.empty(),
+                cells, nodes);
+    else
+      integrate(GaussFits<D>(problem_, particles, data, points), points, !b.empty(), cells, nodes);
+    return {.full = &cells.fill};
+  }
+
+ private:
+  template <class Values>
+  void integrate(Values&& values, const CellPoints<D>& points, bool body_force,
+                 const Cells<D>& cells, Nodes<D>& nodes) const {
+    const bool consistent = problem_.method.mass == MassMatrix::consistent;
+    with_shape(problem_.method, [&](auto shape_of) {
       if constexpr (is_product<D, decltype(shape_of)>) {
         typename decltype(shape_of)::template Nodes<D> shape;
-        for (std::size_t c = 0; c < full.size(); ++c) {
-          if (!(full[c] > 0)) continue;
+        for (std::size_t c = 0; c < cells.fill.size(); ++c) {
+          if (!(cells.fill[c] > 0)) continue;
           for (std::size_t g = 0; g < points.per_cell(); ++g) {
-            shape_of.functions.at(grid, points.at(c, g), shape);
+            shape_of.functions.at(problem_.grid, points.at(c, g), shape);
             const Eigen::RowVectorXd row = values(c, g);
-            add_point(shape, points.volume(), row.data(), !b.empty(), true, nodes);
-            if (entries) add_mass(shape, points.volume() * row[0], *entries);
+            add_point(shape, points.volume(), row.data(), body_force, true, nodes);
+            if (consistent) add_mass(shape, points.volume() * row[0], nodes.mass_entries);
           }
         }
       }
     });
-  };
-  if (problem.method.quadrature == Quadrature::taylor_cells)
-    integrate(TaylorFits<D>(problem, data, points, !b.empty()));
-  else
-    integrate(GaussFits<D>(problem, data, points));
+  }
+
+  const Problem<D>& problem_;
+};
+
+}  // namespace
+
+template <int D>
+std::unique_ptr<const QuadraturePolicy<D>> at_gauss_points(const Problem<D>& problem) {
+  return std::make_unique<GaussQuadrature<D>>(problem);
 }
 
-template void integrate_gauss(const Problem<1>&, const std::vector<Vector<1>>&,
-                              const std::vector<double>&, Nodes<1>&, MassEntries*);
-template void integrate_gauss(const Problem<2>&, const std::vector<Vector<2>>&,
-                              const std::vector<double>&, Nodes<2>&, MassEntries*);
-template void integrate_gauss(const Problem<3>&, const std::vector<Vector<3>>&,
-                              const std::vector<double>&, Nodes<3>&, MassEntries*);
+template std::unique_ptr<const QuadraturePolicy<1>> at_gauss_points(const Problem<1>&);
+template std::unique_ptr<const QuadraturePolicy<2>> at_gauss_points(const Problem<2>&);
+template std::unique_ptr<const QuadraturePolicy<3>> at_gauss_points(const Problem<3>&);
 
 }  // namespace recon::mpm

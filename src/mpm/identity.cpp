@@ -20,26 +20,9 @@ std::string text_of(const Vector<D>& value) {
 }
 
 void add_method(const Method& method, Identity& out) {
-  // All members are named: a new one does not compile until it stands here as well.
-  const auto& [name, domain, basis, velocity, quadrature, update, source, degree, order, mass,
-               stress, border, momentum_correction, stop_at_negative_mass] = method;
-  (void)source;
-  const auto add = [&](const char* key, std::string_view value) {
-    out.emplace_back(std::string("method.") + key, value);
-  };
-  add("name", name);
-  add("domain", name_of(domain));
-  add("basis", name_of(basis));
-  add("velocity", name_of(velocity));
-  add("quadrature", name_of(quadrature));
-  add("update", name_of(update));
-  add("degree", std::to_string(degree));
-  add("order", std::to_string(order));
-  add("mass", name_of(mass));
-  add("stress", name_of(stress));
-  add("spline_border", name_of(border));
-  add("momentum_correction", momentum_correction ? "true" : "false");
-  add("negative_mass", stop_at_negative_mass ? "stop" : "report");
+  out.emplace_back("method.name", method.name);
+  for (const MethodKey& key : method_keys())
+    out.emplace_back("method." + key.name, method.get(key.name));
 }
 
 std::string one_line(std::string text) {
@@ -50,7 +33,7 @@ std::string one_line(std::string text) {
 }  // namespace
 
 template <int D>
-Identity identity_of(const Problem<D>& problem) {
+Identity identity_of(const Problem<D>& problem, const Particles<D>& particles) {
   Identity out;
   const auto add = [&](const std::string& key, const std::string& value) {
     out.emplace_back(one_line(key), one_line(value));
@@ -66,15 +49,16 @@ Identity identity_of(const Problem<D>& problem) {
 
   add("the number of bodies", std::to_string(problem.materials.size()));
   std::vector<std::size_t> counts(problem.materials.size());
-  for (const std::int32_t body : problem.particles.body) ++counts[static_cast<std::size_t>(body)];
+  for (const std::int32_t body : particles.body) ++counts[static_cast<std::size_t>(body)];
   for (std::size_t b = 0; b < problem.materials.size(); ++b) {
     const std::string body = "body " + std::to_string(b + 1) + ".";
     const Material& material = problem.materials[b];
-    add(body + "kind",
-        std::holds_alternative<NeoHookean>(material) ? "neo_hookean" : "linear_elastic");
+    add(body + "kind", std::string(name_of(material)));
     const auto [lambda, mu] = lame(material);
     add(body + "young", text_of(mu * (3 * lambda + 2 * mu) / (lambda + mu)));
     add(body + "poisson", text_of(lambda / (2 * (lambda + mu))));
+    for (const auto& [key, value] : constants_of(material))
+      add(body + std::string(key), text_of(value));
     add(body + "density", text_of(problem.densities[b]));
     add(body + "number of particles", std::to_string(counts[b]));
   }
@@ -143,8 +127,8 @@ std::string difference(const Identity& stored, const Identity& now) {
   return key + " is " + before + " in the checkpoint, " + after + " now";
 }
 
-template Identity identity_of(const Problem<1>&);
-template Identity identity_of(const Problem<2>&);
-template Identity identity_of(const Problem<3>&);
+template Identity identity_of(const Problem<1>&, const Particles<1>&);
+template Identity identity_of(const Problem<2>&, const Particles<2>&);
+template Identity identity_of(const Problem<3>&, const Particles<3>&);
 
 }  // namespace recon::mpm

@@ -13,7 +13,7 @@ namespace recon::mpm {
 using Identity = std::vector<std::pair<std::string, std::string>>;
 
 template <int D>
-Identity identity_of(const Problem<D>& problem);
+Identity identity_of(const Problem<D>& problem, const Particles<D>& particles);
 
 // As lines "key = value", and back. Line breaks within a value are written as blanks.
 std::string to_text(const Identity& identity);

@@ -41,7 +41,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const double half = simulation.velocity_lag();
 
   const VelocityMap map = problem.method.velocity;
-  [[maybe_unused]] const auto modes = static_cast<std::size_t>(mode_count(map, D));
+  const auto modes = static_cast<std::size_t>(mode_count(map, D));
 
   // Sums of blocks, added in their order.
   std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
@@ -51,7 +51,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
         [&](std::size_t begin, std::size_t end) {
           Ledger& sum = blocks[begin / particles_per_block];
           typename decltype(shape_of)::template Nodes<D> shape;
-          [[maybe_unused]] PolynomialModes<D> of;
+          ParticleModes<D, decltype(shape_of)> of;
           for (std::size_t p = begin; p < end; ++p) {
             shape_of.shape(problem.grid, particles, p, shape);
             const double m = particles.mass[p];
@@ -60,16 +60,11 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
             sum.mass += m;
             add<D>(sum.momentum, momentum);
             add_angular<D>(sum.angular, particles.x[p], momentum);
-            if constexpr (is_product<D, decltype(shape_of)>) {
-              if (modes > 0) {
-                of.fill(problem.grid, shape_of.functions.axes(problem.grid, particles.x[p]),
-                        particles.x[p], mode_set(map));
-                for (int d = 0; d < D; ++d) {
-                  const int r = linear_mode(mode_set(map), d);
-                  add_angular<D>(sum.angular, Vector<D>::Unit(d),
-                                 m * of.norm(r) * particles.modes[p * modes + r]);
-                }
-              }
+            if (modes > 0) {
+              of.fill(problem.grid, shape_of, particles.x[p], shape, mode_set(map));
+              const Matrix<D> moment = of.moment(m, &particles.modes[p * modes]);
+              for (int d = 0; d < D; ++d)
+                add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
             }
             sum.kinetic += m * now.squaredNorm() / 2;
             sum.strain += particles.energy[p];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/finite.hpp"
 #include "mpm/modes.hpp"
 #include "recon/core/parallel.hpp"
 
@@ -73,40 +74,32 @@ void Load<D>::validate(std::size_t particles) const {
 }
 
 template <int D>
-void Problem<D>::validate(const Particles<D>& all) const {
+Kept Problem<D>::kept() const {
+  Kept kept{method.domain == Domain::cpdi2,
+            static_cast<std::size_t>(mode_count(method.velocity, D)), 0};
+  for (const Material& material : materials)
+    kept.history = std::max(kept.history, history_of(material));
+  return kept;
+}
+
+template <int D>
+void Problem<D>::validate(const Particles<D>& all, bool complete) const {
   const std::size_t count = all.size();
   require(count > 0, "particles", count, "must be at least one");
   require(count < 0xffffffffu, "particles", count, "must be fewer than 2^32 - 1");
-  const auto same_length = [&](const char* name, const auto& values) {
-    if (values.size() != count)
-      recon::detail::throw_invalid(
-          std::string(name) + " of the particles", values.size(),
-          "must be one for each of the " + std::to_string(count) + " positions");
-  };
-  const auto all_finite = [&](const char* name, const auto& values) {
-    same_length(name, values);
-    for (std::size_t p = 0; p < values.size(); ++p) {
-      const auto of = [p] { return " of particle " + std::to_string(p); };
-      if constexpr (requires { values[p].allFinite(); }) {
-        if (!values[p].allFinite())
-          recon::detail::throw_invalid(name + of(), values[p].reshaped().transpose(),
-                                       "must be finite");
-      } else if (!std::isfinite(values[p])) {
-        recon::detail::throw_invalid(name + of(), values[p], "must be finite");
-      }
-    }
-  };
-  all_finite("x", all.x);
-  all_finite("X", all.X);
-  all_finite("v", all.v);
-  all_finite("F", all.F);
-  all_finite("L", all.L);
-  all_finite("stress", all.stress);
-  all_finite("half_edges", all.half_edges);
-  all_finite("mass", all.mass);
-  all_finite("volume0", all.volume0);
-  all_finite("energy", all.energy);
-  same_length("body", all.body);
+  all.arrays(kept(), [&](const ParticleArray& array, const auto& values) {
+    if (array.kept && !complete && values.empty()) return;
+    if (values.size() != count * array.per_particle)
+      recon::detail::throw_invalid(std::string(array.name) + " of the particles", values.size(),
+                                   "must be " + std::to_string(array.per_particle) +
+                                       " for each of the " + std::to_string(count) + " positions" +
+                                       (array.kept && !complete ? ", or none" : ""));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!is_finite(values[i])) [[unlikely]]
+        recon::detail::throw_invalid(
+            std::string(array.name) + " of particle " + std::to_string(i / array.per_particle),
+            text_of(values[i]), "must be finite");
+  });
   for (std::size_t p = 0; p < count; ++p) {
     // One text for what is wrong with a particle.
     const auto of = [&](bool holds, const char* what, const auto& value, const char* rule) {
@@ -122,19 +115,6 @@ void Problem<D>::validate(const Particles<D>& all) const {
        "must span a volume");
     of(all.body[p] >= 0 && static_cast<std::size_t>(all.body[p]) < materials.size(), "body",
        all.body[p], "must be the number of a material");
-  }
-  if (!all.corners.empty()) {
-    same_length("corners", all.corners);
-    for (std::size_t p = 0; p < count; ++p)
-      for (const Vector<D>& corner : all.corners[p])
-        require(corner.allFinite(), "corner of a particle", corner.transpose(), "must be finite");
-  }
-  if (!all.modes.empty()) {
-    const std::size_t modes = count * static_cast<std::size_t>(mode_count(method.velocity, D));
-    require(all.modes.size() == modes, "modes of the particles", all.modes.size(),
-            "must be those of the method for each particle, or none");
-    for (const Vector<D>& mode : all.modes)
-      require(mode.allFinite(), "mode of a particle", mode.transpose(), "must be finite");
   }
 }
 
@@ -152,7 +132,7 @@ void Problem<D>::validate() const {
     for (int d = 0; d < D; ++d)
       require(grid.cells(d) % 2 == 0, "cells of the grid along an axis", grid.cells(d),
               "must be even with elements of 2 x 2 cells");
-  for (const Material& material : materials) lame(material).validate();
+  for (const Material& material : materials) validate_material(material);
   for (const double density : densities) validate_density(density);
   validate(particles);
   if (exact) material_of_exact(materials);
@@ -163,12 +143,11 @@ void Problem<D>::validate() const {
 }
 
 template <int D>
-Step choose_step(const Problem<D>& problem) {
+TimeStep choose_step(const Problem<D>& problem, const Particles<D>& particles) {
   const TimeOptions& time = problem.time;
-  const Particles<D>& particles = problem.particles;
   if (time.rule == StepRule::fixed) return {time.step, 0};
   const double courant = time.courant.value_or(problem.method.default_courant(D));
-  Step slowest{std::numeric_limits<double>::infinity(), 0};
+  TimeStep slowest{std::numeric_limits<double>::infinity(), 0};
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const Lame& elastic = lame(problem.materials[particles.body[p]]);
     const double reference = particles.mass[p] / particles.volume0[p];
@@ -183,8 +162,7 @@ Step choose_step(const Problem<D>& problem) {
 }
 
 template <int D>
-double courant_of(const Problem<D>& problem, double dt) {
-  const Particles<D>& particles = problem.particles;
+double courant_of(const Problem<D>& problem, const Particles<D>& particles, double dt) {
   double fastest = 0;
   for (std::size_t p = 0; p < particles.size(); ++p)
     fastest = std::max(
@@ -193,12 +171,12 @@ double courant_of(const Problem<D>& problem, double dt) {
   return fastest * dt / problem.grid.h();
 }
 
-#define RECON_INSTANTIATE(D)                    \
-  template struct Boundary<D>;                  \
-  template struct Load<D>;                      \
-  template struct Problem<D>;                   \
-  template Step choose_step(const Problem<D>&); \
-  template double courant_of(const Problem<D>&, double);
+#define RECON_INSTANTIATE(D)                                             \
+  template struct Boundary<D>;                                           \
+  template struct Load<D>;                                               \
+  template struct Problem<D>;                                            \
+  template TimeStep choose_step(const Problem<D>&, const Particles<D>&); \
+  template double courant_of(const Problem<D>&, const Particles<D>&, double);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

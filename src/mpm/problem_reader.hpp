@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "mpm/expression.hpp"
 #include "mpm/toml_reader.hpp"
@@ -78,5 +79,7 @@ template <int D>
 void read_boundaries(ProblemReader<D>& reader);
 template <int D>
 void read_loads(ProblemReader<D>& reader);
+// The keys of the lists of loads, by their path.
+std::vector<std::string> load_keys();
 
 }  // namespace recon::mpm

@@ -48,10 +48,20 @@ class BodyReader {
     checked(keys, "young", [&] { elastic = Lame::from(young, poisson); });
     density = keys.number("density");
     checked(keys, "density", [&] { validate_density(density); });
-    const std::string kind = keys.choice("kind", Words{"neo_hookean", "linear_elastic"});
+    Words names;
+    for_each_material([&]<class M>(const M&) { names.emplace_back(M::name); });
+    const std::string kind = keys.choice("kind", names);
+    Material made;
+    for_each_material([&]<class M>(M material) {
+      if (M::name != kind) return;
+      static_cast<Lame&>(material) = elastic;
+      if constexpr (requires { M::parameters(); })
+        for (const auto& [key, member] : M::parameters()) material.*member = keys.number(key);
+      made = material;
+    });
     keys.finish();
-    if (kind == "neo_hookean") return NeoHookean{elastic};
-    return LinearElastic{elastic};
+    checked(keys, "kind", [&] { validate_material(made); });
+    return made;
   }
 
   void fill(const TomlTable& body, double density, int number) {
@@ -96,7 +106,7 @@ class BodyReader {
   // That there is memory for, and numbers.
   double most_particles() const {
     const double memory = problem_.limits.memory > 0 ? problem_.limits.memory : available_memory();
-    return std::min(memory / bytes_of_particle<D>(problem_.method), 4294967294.0) -
+    return std::min(memory / bytes_of_particle<D>(problem_.kept()), 4294967294.0) -
            static_cast<double>(problem_.particles.size());
   }
 

@@ -18,6 +18,21 @@ std::function<double(double)> magnitude(ProblemReader<D>& reader, const TomlTabl
   return [value](double t) { return value({0, 0, 0, 0, 0, 0, t}); };
 }
 
+// On the nearest particle.
+template <int D>
+void read_point_load(ProblemReader<D>& reader, const TomlTable& table) {
+  Problem<D>& problem = reader.problem();
+  const Vector<D> at = reader.vector(table, "at");
+  Load<D> load;
+  load.direction = reader.vector(table, "direction");
+  load.magnitude = magnitude(reader, table);
+  for (std::size_t p = 1; p < problem.particles.size(); ++p)
+    if ((problem.particles.X[p] - at).norm() < (problem.particles.X[load.particle] - at).norm())
+      load.particle = p;
+  problem.loads.push_back(load);
+}
+
+// On the particles of a side.
 template <int D>
 void read_pressure(ProblemReader<D>& reader, const TomlTable& table) {
   Problem<D>& problem = reader.problem();
@@ -45,10 +60,53 @@ void read_pressure(ProblemReader<D>& reader, const TomlTable& table) {
   const auto value = magnitude(reader, table);
   for (const auto& part : surface<D>(problem.particles, body, normal, height))
     problem.loads.push_back({part.particle, Vector<D>::Zero(), part.area, value});
-  table.finish();
+}
+
+// The kinds of loads: a list of tables [[name]] with these keys.
+template <int D>
+struct LoadKind {
+  const char* name;
+  std::vector<std::string> keys;
+  void (*read)(ProblemReader<D>&, const TomlTable&);
+};
+template <int D>
+std::vector<LoadKind<D>> load_kinds() {
+  return {{"point_load", {"at", "direction", "magnitude"}, read_point_load<D>},
+          {"pressure", {"body", "side", "centre", "magnitude"}, read_pressure<D>}};
+}
+
+// The kinds of boundaries: what each holds.
+template <int D>
+struct BoundaryKind {
+  const char* name;
+  void (*hold)(Boundary<D>&, const TomlTable&);
+};
+template <int D>
+void hold_given(Boundary<D>& boundary, const TomlTable& table) {
+  int d = 0;
+  for (const toml::node* node : table.elements("velocity", D)) {
+    if (const auto value = node->value<double>(); value && std::isfinite(*value))
+      boundary.velocity[d] = *value;
+    else if (node->value_or(std::string()) != "free")
+      table.fail_at(*node, "velocity", "a number or \"free\" is needed");
+    ++d;
+  }
+}
+template <int D>
+std::vector<BoundaryKind<D>> boundary_kinds() {
+  return {{"fixed", [](Boundary<D>& of, const TomlTable&) { of.velocity.fill(0.0); }},
+          {"roller", [](Boundary<D>& of, const TomlTable&) { of.velocity[of.axis] = 0.0; }},
+          {"velocity", hold_given<D>}};
 }
 
 }  // namespace
+
+std::vector<std::string> load_keys() {
+  std::vector<std::string> keys;
+  for (const LoadKind<1>& kind : load_kinds<1>())
+    for (const std::string& key : kind.keys) keys.push_back(std::string(kind.name) + "." + key);
+  return keys;
+}
 
 template <int D>
 void read_boundaries(ProblemReader<D>& reader) {
@@ -58,19 +116,11 @@ void read_boundaries(ProblemReader<D>& reader) {
     const std::string axis = table.choice("axis", std::span(axes).subspan(0, D), true);
     boundary.axis = axis[0] - 'x';
     boundary.at = table.number("at");
-    const std::string kind = table.choice("kind", Words{"fixed", "roller", "velocity"}, true);
-    if (kind == "fixed") boundary.velocity.fill(0.0);
-    if (kind == "roller") boundary.velocity[boundary.axis] = 0.0;
-    if (kind == "velocity") {
-      int d = 0;
-      for (const toml::node* node : table.elements("velocity", D)) {
-        if (const auto value = node->value<double>(); value && std::isfinite(*value))
-          boundary.velocity[d] = *value;
-        else if (node->value_or(std::string()) != "free")
-          table.fail_at(*node, "velocity", "a number or \"free\" is needed");
-        ++d;
-      }
-    }
+    Words names;
+    for (const BoundaryKind<D>& each : boundary_kinds<D>()) names.emplace_back(each.name);
+    const std::string kind = table.choice("kind", names, true);
+    for (const BoundaryKind<D>& each : boundary_kinds<D>())
+      if (kind == each.name) each.hold(boundary, table);
     table.finish();
     checked(table, "at", [&] { boundary.validate(reader.problem().grid); });
     reader.problem().boundaries.push_back(boundary);
@@ -97,18 +147,11 @@ void read_loads(ProblemReader<D>& reader) {
     };
   }
   loads.finish();
-  for (const TomlTable& table : reader.file().tables("point_load")) {
-    const Vector<D> at = reader.vector(table, "at");
-    Load<D> load;
-    load.direction = reader.vector(table, "direction");
-    load.magnitude = magnitude(reader, table);
-    for (std::size_t p = 1; p < problem.particles.size(); ++p)
-      if ((problem.particles.X[p] - at).norm() < (problem.particles.X[load.particle] - at).norm())
-        load.particle = p;
-    table.finish();
-    problem.loads.push_back(load);
-  }
-  for (const TomlTable& table : reader.file().tables("pressure")) read_pressure(reader, table);
+  for (const LoadKind<D>& kind : load_kinds<D>())
+    for (const TomlTable& table : reader.file().tables(kind.name)) {
+      kind.read(reader, table);
+      table.finish();
+    }
 }
 
 template void read_boundaries(ProblemReader<1>&);

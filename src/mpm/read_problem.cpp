@@ -10,69 +10,59 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// All keys; the sections ask for the same.
-const KnownKeys known_keys{{"title",
-                            "threads",
-                            "grid.lower",
-                            "grid.upper",
-                            "grid.cells",
-                            "material.kind",
-                            "material.young",
-                            "material.poisson",
-                            "material.density",
-                            "manufactured.solution",
-                            "manufactured.G",
-                            "body.shape",
-                            "body.particles",
-                            "body.layout",
-                            "body.jitter",
-                            "body.angular",
-                            "body.velocity",
-                            "body.radius",
-                            "body.inner",
-                            "body.outer",
-                            "body.centre",
-                            "method.name",
-                            "method.degree",
-                            "method.momentum_correction",
-                            "method.basis",
-                            "method.order",
-                            "method.mass",
-                            "method.stress",
-                            "method.spline_border",
-                            "method.negative_mass",
-                            "time.end",
-                            "time.rule",
-                            "time.courant",
-                            "time.step",
-                            "limits.memory",
-                            "limits.steps",
-                            "output.frames",
-                            "output.ledger",
-                            "output.fields",
-                            "loads.gravity",
-                            "loads.body_force"},
-                           {"constants.*",
-                            "body.lower",
-                            "body.upper",
-                            "body.wkt",
-                            "body.file",
-                            "body.volume",
-                            "body.material.kind",
-                            "body.material.young",
-                            "body.material.poisson",
-                            "body.material.density",
-                            "boundary.axis",
-                            "boundary.at",
-                            "boundary.kind",
-                            "boundary.velocity",
-                            "point_load.at",
-                            "point_load.direction",
-                            "point_load.magnitude",
-                            "pressure.body",
-                            "pressure.side",
-                            "pressure.centre",
-                            "pressure.magnitude"}};
+// All keys but those of the method's choices; the sections ask for the same.
+const KnownKeys fixed_keys{
+    {"title",
+     "threads",
+     "grid.lower",
+     "grid.upper",
+     "grid.cells",
+     "material.kind",
+     "material.young",
+     "material.poisson",
+     "material.density",
+     "manufactured.solution",
+     "manufactured.G",
+     "body.shape",
+     "body.particles",
+     "body.layout",
+     "body.jitter",
+     "body.angular",
+     "body.velocity",
+     "body.radius",
+     "body.inner",
+     "body.outer",
+     "body.centre",
+     "method.name",
+     "time.end",
+     "time.rule",
+     "time.courant",
+     "time.step",
+     "limits.memory",
+     "limits.steps",
+     "output.frames",
+     "output.ledger",
+     "output.fields",
+     "loads.gravity",
+     "loads.body_force"},
+    {"constants.*", "body.lower", "body.upper", "body.wkt", "body.file", "body.volume",
+     "body.material.kind", "body.material.young", "body.material.poisson", "body.material.density",
+     "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity"}};
+
+KnownKeys known_keys() {
+  KnownKeys keys = fixed_keys;
+  for (const std::string& key : load_keys()) keys.others.push_back(key);
+  for (const MethodKey& key : method_keys()) keys.settable.push_back("method." + key.name);
+  for_each_material([&]<class M>(const M&) {
+    if constexpr (requires { M::parameters(); })
+      for (const auto& [key, member] : M::parameters()) {
+        (void)member;
+        keys.settable.push_back("material." + std::string(key));
+        keys.others.push_back("body.material." + std::string(key));
+      }
+  });
+  return keys;
+}
 
 template <int D>
 void read_limits(ProblemReader<D>& reader) {
@@ -96,38 +86,30 @@ void read_grid(ProblemReader<D>& reader) {
   grid.finish();
 }
 
-// One of `values` by its name; without the key it stays as it is.
-template <class Enum>
-void choose(const TomlTable& table, std::string_view key, Enum& value,
-            std::initializer_list<Enum> values) {
-  if (!table.has(key)) return;
-  Words names;
-  for (const Enum each : values) names.emplace_back(name_of(each));
-  const std::string chosen = table.choice(key, names);
-  for (const Enum each : values)
-    if (name_of(each) == chosen) value = each;
-}
-
+// A name, perhaps with choices in it, and choices beside it.
 template <int D>
 void read_method(ProblemReader<D>& reader) {
-  const TomlTable method = reader.file().table("method");
+  const TomlTable table = reader.file().table("method");
   Method& chosen = reader.problem().method;
-  Words names;
-  for (const Method& each : methods()) names.push_back(each.name);
-  chosen = method_named(method.choice("name", names, true));
-  chosen.degree = method.integer("degree", chosen.degree, 1, 3);
-  chosen.order = method.integer("order", chosen.order, 1, 1000);
-  chosen.momentum_correction = method.boolean("momentum_correction", false);
-  choose(
-      method, "basis", chosen.basis,
-      {Basis::linear, Basis::q8, Basis::q9, Basis::bspline2, Basis::bspline3, Basis::mls_bspline2});
-  choose(method, "mass", chosen.mass, {MassMatrix::lumped, MassMatrix::consistent});
-  choose(method, "stress", chosen.stress, {StressUpdate::last, StressUpdate::first});
-  choose(method, "spline_border", chosen.border,
-         {SplineBorder::corrected, SplineBorder::extra_column, SplineBorder::linear_cells});
-  chosen.stop_at_negative_mass = method.choice("negative_mass", Words{"report", "stop"}) == "stop";
-  method.finish();
-  checked(method, "name", [&] { chosen.validate(D); });
+  std::string name = table.text("name");
+  if (name.find('+') == std::string::npos) {
+    Words names;
+    for (const Method& each : methods()) names.push_back(each.name);
+    name = table.choice("name", names, true);
+  }
+  checked(table, "name", [&] { chosen = composed(name); });
+  for (const MethodKey& key : method_keys()) {
+    if (!table.has(key.name)) continue;
+    std::string value;
+    using enum MethodKey::Kind;
+    if (key.kind == word) value = table.choice(key.name, key.words);
+    if (key.kind == flag) value = table.boolean(key.name, false) ? "true" : "false";
+    if (key.kind == integer) value = std::to_string(table.integer(key.name, 0, 0, 1000));
+    if (key.kind == number) value = recon::detail::to_text(table.number(key.name));
+    checked(table, key.name, [&] { chosen.set(key.name, value); });
+  }
+  table.finish();
+  checked(table, "name", [&] { chosen.validate(D); });
 }
 
 template <int D>
@@ -199,7 +181,7 @@ ProblemFile<D> read(const std::filesystem::path& path, const toml::table& root) 
 
 AnyProblem read_problem_text(const std::string& text, const std::filesystem::path& path,
                              std::span<const std::string> settings) {
-  const toml::table root = parse_toml(text, path, settings, known_keys);
+  const toml::table root = parse_toml(text, path, settings, known_keys());
   const TomlTable file(path, "", root);
   const TomlTable grid = file.table("grid");
   const toml::array* lower = grid.has("lower") ? grid.raw().get("lower")->as_array() : nullptr;

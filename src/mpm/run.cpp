@@ -14,8 +14,8 @@ namespace {
 // The step, shortened so that `end` is met by steps of nearly equal length. Throws Failure where
 // speeds have grown so much that no end is in sight.
 template <int D>
-Step step_towards(double end, const Simulation<D>& simulation) {
-  Step step = simulation.choose_step();
+TimeStep step_towards(double end, const Simulation<D>& simulation) {
+  TimeStep step = simulation.choose_step();
   const double time = simulation.time(), left = end - time;
   const double steps = std::ceil(left / step.dt * (1 - 1e-12));
   const double most = simulation.problem().limits.steps;
@@ -114,7 +114,7 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
     } catch (const FileError& why) {
       throw NoRestart(why);
     }
-    result.forecast = forecast(simulation.problem(), simulation.time());
+    result.forecast = forecast(simulation.problem(), simulation.state());
     require_possible(simulation.problem(), result.forecast, simulation.time());
   }
   if (options.begins) options.begins(result.forecast);
@@ -139,27 +139,30 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   for (bool first = true;; first = false) {
     simulation.map();
     const bool done = simulation.time() >= end * (1 - 1e-14);
-    const Ledger now =
-        account(simulation,
-                first && from_start ? std::optional<Ledger>() : std::optional<Ledger>(state.start));
-    if (first && from_start) state.start = now;
-    if (first) result.first = now;
-    result.last = now;
-    result.largest_momentum_defect =
-        std::max(result.largest_momentum_defect, distance(now.momentum, now.node_momentum));
     result.unfitted = std::max(result.unfitted, simulation.nodes().unfitted);
-    if (ledger_file) ledger_file->add(now);
+    const bool stopped = !done && options.stop && options.stop();
+    // Without a ledger only the ends are accounted for.
+    if (ledger_file || first || done || stopped) {
+      const Ledger now = account(
+          simulation, first && from_start ? std::optional<Ledger>() : std::optional(state.start));
+      if (first && from_start) state.start = now;
+      if (first) result.first = now;
+      result.last = now;
+      result.largest_momentum_defect =
+          std::max(result.largest_momentum_defect, distance(now.momentum, now.node_momentum));
+      if (ledger_file) ledger_file->add(now);
+    }
     const bool due = frame_due();
     if (due)
       write_frame(options.folder, options.name, simulation, state.frame_times, frame_options);
-    result.stopped = !done && options.stop && options.stop();
+    result.stopped = stopped;
     if (due || done || result.stopped || (first && from_start)) {
       if (ledger_file) ledger_file->flush();
       write_checkpoint(checkpoint, simulation, state);
       if (options.saved) options.saved(simulation.time(), simulation.steps());
     }
     if (done || result.stopped) break;
-    const Step step = step_towards(end, simulation);
+    const TimeStep step = step_towards(end, simulation);
     simulation.step(step.dt);
     if (step.dt < result.shortest_step) {
       result.shortest_step = step.dt;

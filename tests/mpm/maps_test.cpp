@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "mpm/support.hpp"
 #include "recon/mpm/ledger.hpp"
@@ -280,10 +281,11 @@ TEST(Methods, SayWhyChoicesAreRefused) {
              m.domain = domain;
              m.basis = Basis::bspline2;
            }),
-           {"bspline2", "point particles"});
+           {"domain", std::string(name_of(domain)), "linear functions", "basis is bspline2"});
   for (const Quadrature quadrature : {Quadrature::cells, Quadrature::nodal_cells})
     expect(why([&](Method& m) {
              m.quadrature = quadrature;
+             m.velocity = VelocityMap::mls;
              m.basis = Basis::bspline3;
            }),
            {"bspline3", "linear functions"});
@@ -294,7 +296,7 @@ TEST(Methods, SayWhyChoicesAreRefused) {
                m.quadrature = quadrature;
                m.basis = basis;
              }),
-             {name, "linear or spline basis"});
+             {name, "linear", "spline", "basis is " + std::string(name_of(basis))});
     expect(why([&](Method& m) {
              m.quadrature = quadrature;
              m.domain = Domain::cpdi1;
@@ -304,23 +306,26 @@ TEST(Methods, SayWhyChoicesAreRefused) {
              m.quadrature = quadrature;
              m.velocity = VelocityMap::mls;
            }),
-           {"mls", "momentum"});
+           {"mls", "momentum", "quadrature is " + name});
   }
+  expect(why([](Method& m) {
+           m.velocity = VelocityMap::polynomial;
+           m.domain = Domain::ugimp;
+         }),
+         {"polynomial", "products", "domain is ugimp"});
   for (const VelocityMap map : {VelocityMap::affine, VelocityMap::polynomial}) {
     const std::string name(name_of(map));
     expect(why([&](Method& m) {
              m.velocity = map;
-             m.update = Update::pic;
-             m.domain = Domain::ugimp;
-           }),
-           {name, "point particles"});
-    expect(why([&](Method& m) {
-             m.velocity = map;
-             m.update = Update::pic;
              m.basis = Basis::q9;
            }),
-           {name, "positive"});
-    expect(why([&](Method& m) { m.velocity = map; }), {"flip", "remember", "pic"});
+           {name, "nowhere negative", "basis is q9"});
+    for (const Update update : {Update::xpic, Update::fmpm, Update::runge_kutta})
+      expect(why([&](Method& m) {
+               m.velocity = map;
+               m.update = update;
+             }),
+             {name, "flip or pic", "update is " + std::string(name_of(update))});
   }
   for (const VelocityMap map : {VelocityMap::mls, VelocityMap::imls, VelocityMap::cpls})
     expect(why([&](Method& m) {
@@ -340,7 +345,7 @@ TEST(Methods, SayWhyChoicesAreRefused) {
                m.velocity = map;
                m.quadrature = quadrature;
              }),
-             {std::string(name_of(map)), "mass of cells"});
+             {std::string(name_of(map)), "mass of cells", std::string(name_of(quadrature))});
   for (const char* name : {"impm", "wls"}) {
     Method method = method_named(name);
     method.domain = Domain::cpdi1;
@@ -357,7 +362,83 @@ TEST(Methods, SayWhyChoicesAreRefused) {
            m.update = Update::runge_kutta;
          }),
          {"runge_kutta", "cpdi2", "corners"});
+  for (const double blend : {-0.1, 1.1, double(NAN)})
+    expect(why([&](Method& m) { m.blend = blend; }), {"blend", "from 0 to 1"});
+  for (const Update update : {Update::pic, Update::xpic, Update::fmpm, Update::runge_kutta})
+    expect(why([&](Method& m) {
+             m.blend = 0.5;
+             m.update = update;
+           }),
+           {"blend", "flip", "update is " + std::string(name_of(update))});
+  for (const StressUpdate stress : {StressUpdate::first, StressUpdate::musl})
+    for (const Update update : {Update::xpic, Update::fmpm, Update::runge_kutta})
+      expect(why([&](Method& m) {
+               m.stress = stress;
+               m.update = update;
+             }),
+             {std::string(name_of(stress)), "flip or pic", std::string(name_of(update))});
+  expect(why([](Method& m) {
+           m.scheme = Scheme::symplectic_euler;
+           m.update = Update::runge_kutta;
+         }),
+         {"symplectic_euler", "runge_kutta"});
   for (const Method& method : methods()) EXPECT_NO_THROW(method.validate(2)) << method.name;
+}
+
+// A row with other choices, by key or by word.
+TEST(Methods, AreComposed) {
+  const Method method = composed("cpdi1+velocity=affine+flip+blend=0.05+stress=musl+degree=2");
+  EXPECT_EQ(method.name, "cpdi1+velocity=affine+flip+blend=0.05+stress=musl+degree=2");
+  EXPECT_EQ(method.domain, Domain::cpdi1);
+  EXPECT_EQ(method.velocity, VelocityMap::affine);
+  EXPECT_EQ(method.update, Update::flip);
+  EXPECT_EQ(method.blend, 0.05);
+  EXPECT_EQ(method.stress, StressUpdate::musl);
+  EXPECT_EQ(method.degree, 2);
+  EXPECT_EQ(composed("cpls").velocity, VelocityMap::cpls);
+  EXPECT_EQ(composed("mpm+momentum_correction=true+negative_mass=stop").stop_at_negative_mass,
+            true);
+  for (const auto& [text, words] : std::vector<std::pair<const char*, std::vector<const char*>>>{
+           {"cpdi", {"method", "cpdi1"}},
+           {"cpdi1+afine", {"afine", "affine"}},
+           {"cpdi1+velocty=affine", {"velocty", "velocity"}},
+           {"cpdi1+velocity=afine", {"velocity", "afine", "affine"}},
+           {"cpdi1+blend=much", {"blend", "much", "number"}},
+           {"cpdi1+blend=1e400", {"blend", "number"}},
+           {"cpdi1+degree=1.5", {"degree", "whole number"}},
+           {"cpdi1+momentum_correction=1", {"momentum_correction", "true"}},
+           {"cpdi1+", {"choice of a method"}},
+           {"", {"method"}}}) {
+    const std::string what = blamed([&] { composed(text); });
+    for (const char* word : words)
+      EXPECT_NE(what.find(word), std::string::npos) << text << ": " << what;
+  }
+}
+
+// Every key can be read back, and short words are unique.
+TEST(Methods, KeysAreComplete) {
+  std::set<std::string> words;
+  for (const MethodKey& key : method_keys()) {
+    Method method = method_named("mpm");
+    for (const std::string& word : key.words) {
+      EXPECT_TRUE(words.insert(word).second) << word;
+      method.set(key.name, word);
+      EXPECT_EQ(method.get(key.name), word);
+    }
+    if (key.kind == MethodKey::Kind::number) {
+      method.set(key.name, "0.125");
+      EXPECT_EQ(method.get(key.name), "0.125");
+    }
+    if (key.kind == MethodKey::Kind::flag) {
+      method.set(key.name, "true");
+      EXPECT_EQ(method.get(key.name), "true");
+    }
+  }
+  for (const Method& row : methods()) {  // a row is what its keys say
+    Method made = method_named("mpm");
+    for (const MethodKey& key : method_keys()) made.set(key.name, row.get(key.name));
+    for (const MethodKey& key : method_keys()) EXPECT_EQ(made.get(key.name), row.get(key.name));
+  }
 }
 
 // ---- negative mass ----

@@ -36,6 +36,54 @@ TYPED_TEST(Materials, NeoHookeanStressIsTheSlopeOfItsEnergy) {
   }
 }
 
+// Beyond the yield stress: strained along one axis the difference of the principal stresses is the
+// yield stress and what hardening adds, while the mean stress goes on elastically; below it, and on
+// the way back, all is as in LinearElastic.
+TYPED_TEST(Materials, VonMisesYields) {
+  constexpr int D = TypeParam::value;
+  const Lame elastic = Lame::from(100, 0.25);
+  for (const double hardening : {0.0, 30.0}) {
+    VonMises material{elastic};
+    material.yield = 0.1;
+    material.hardening = hardening;
+    Matrix<D> rate = Matrix<D>::Zero(), stress = Matrix<D>::Zero(), plain = Matrix<D>::Zero();
+    rate(0, 0) = 1;
+    double energy = 0, ignored = 0, remembered[2] = {0, 0};
+    const Matrix<D> F = Matrix<D>::Identity();
+    const double dt = 1e-5, start = 0.1 / (2 * elastic.mu);  // the strain at which it yields
+    double strain = 0;
+    const auto across = [&] { return D == 1 ? remembered[1] : stress(D - 1, D - 1); };
+    for (; strain < 4 * start; strain += dt) {
+      material.update(F, rate, dt, stress, energy, remembered);
+      LinearElastic{elastic}.update(F, rate, dt, plain, ignored);
+      const double mean = (stress(0, 0) + 2 * across()) / 3;
+      EXPECT_NEAR(mean, (elastic.lambda + 2 * elastic.mu / 3) * (strain + dt), 1e-10);
+      if (strain + dt < start) {
+        EXPECT_LE((stress - plain).norm(), 1e-12);
+      } else {
+        EXPECT_NEAR(stress(0, 0) - across(), 0.1 + hardening * remembered[0], 1e-10);
+      }
+      EXPECT_NEAR(material.out_of_plane(F, stress, remembered), D == 3 ? remembered[1] : across(),
+                  1e-12);
+    }
+    // The plastic strain along the axis is the equivalent one, minus half of it that across.
+    EXPECT_NEAR(remembered[0], (2 * elastic.mu * strain - 0.1) / (3 * elastic.mu + hardening),
+                1e-10);
+    const Matrix<D> loaded = stress;
+    const double plastic = remembered[0];
+    material.update(F, Matrix<D>(-rate), dt, stress, energy, remembered);
+    LinearElastic{elastic}.update(F, Matrix<D>(-rate), dt, plain = loaded, ignored);
+    EXPECT_LE((stress - plain).norm(), 1e-12);
+    EXPECT_EQ(remembered[0], plastic);
+  }
+  VonMises bad{elastic};
+  EXPECT_THROW(bad.validate(), InvalidArgument);
+  bad.yield = 1;
+  EXPECT_NO_THROW(bad.validate());
+  bad.hardening = -1;
+  EXPECT_THROW(bad.validate(), InvalidArgument);
+}
+
 // A strain of 1e-6 in a hundred steps: sigma = lambda tr(e) I + 2 mu e in both.
 TYPED_TEST(Materials, SmallStrainIsHookes) {
   constexpr int D = TypeParam::value;

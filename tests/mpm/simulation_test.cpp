@@ -179,7 +179,7 @@ TEST(Steps, RulesAndTheParticleThatLimits) {
   const Lame elastic = lame(problem.materials[0]);
   const double c_p = elastic.p_wave_speed(1000), h = problem.grid.h();
   problem.time.courant = 0.5;
-  const Step adaptive = Simulation<2>(problem).choose_step();
+  const TimeStep adaptive = Simulation<2>(problem).choose_step();
   EXPECT_EQ(adaptive.particle, 7u);
   EXPECT_NEAR(adaptive.dt, 0.5 * h / (c_p + 5), 1e-15);
   problem.time.rule = StepRule::p_wave;

@@ -3,8 +3,8 @@
 //
 // The first 512 bytes are text: what the file is, its format, and a length and a checksum of the
 // rest. The rest is HDF5 (whose libraries skip the text): one data set per quantity (X, x, v, F,
-// L, stress, half_edges, mass, volume0, energy, body, corners of CPDI2, modes; a row per particle,
-// matrices by columns), frame_times, the attributes time, steps, last_dt, start_*, and `problem`:
+// L, stress, half_edges, mass, volume0, energy, body; corners, modes, history where there are any; a
+// row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*, and `problem`:
 // a text of lines "key = value" with all that identifies the problem. The file is written
 // completely or not at all.
 //

@@ -4,33 +4,35 @@
 #include <string>
 #include <vector>
 
-#include "recon/mpm/problem.hpp"
+#include "recon/mpm/state.hpp"
 
 namespace recon::mpm {
 
 struct Forecast {
   std::size_t particles = 0, nodes = 0;
-  Step step;          // the first step; 0 where there is no end
+  TimeStep step;      // the first step; 0 where there is no end
   double steps = 0;   // number of steps to the end, all like the first
   double memory = 0;  // bytes: the problem, its simulation, and what a step needs beside them
   double available_memory = 0;        // bytes that the machine has now
   std::vector<std::string> warnings;  // whole sentences
 };
 
-// The forecast for a run of a valid problem from `time` to its end. Warns of a step that is longer
+// The forecast for a run of a valid problem to its end, from its start or from a state. Warns of a step that is longer
 // than the method is known to be stable with (Method::stable_courant()), and of what breaks the
 // method on this problem whatever the step is (Method::caveat()).
 template <int D>
-Forecast forecast(const Problem<D>& problem, double time = 0);
+Forecast forecast(const Problem<D>& problem);
+template <int D>
+Forecast forecast(const Problem<D>& problem, const State<D>& state);
 
 // Throws InvalidArgument, with the numbers, for more steps or memory than the limits allow, and for
 // a first step so short that time + step rounds to `time`.
 template <int D>
 void require_possible(const Problem<D>& problem, const Forecast& forecast, double time = 0);
 
-// The bytes of one particle of a problem, and the bytes that the machine has available now.
+// The bytes of one particle, and the bytes that the machine has available now.
 template <int D>
-double bytes_of_particle(const Method& method);
+double bytes_of_particle(const Kept& kept);
 double available_memory();
 
 }  // namespace recon::mpm

@@ -1,12 +1,20 @@
 // Materials: how strain becomes stress and strain energy.
 //
 // In 1-D and 2-D the other directions do not strain (uniaxial strain, plane strain).
+//
+// A new material is a struct here and a line in `Material`: problem files, checkpoints and the step
+// take it from there.
 #pragma once
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <concepts>
+#include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "recon/core/error.hpp"
 #include "recon/mpm/types.hpp"
@@ -38,23 +46,44 @@ struct Lame {
   }
 };
 
-// A material has Lame's constants (for the speed of waves) and two functions. update() turns Cauchy
-// stress (force / area) and strain energy per reference volume into those after a step dt with the
-// velocity gradient L (1 / time) that led to the deformation gradient F. out_of_plane() is the
-// stress along the directions without strain, in 1-D and 2-D; it follows from F and the stress in
-// the other directions.
+// A material has Lame's constants (for the speed of waves), a name and two functions. update() turns
+// Cauchy stress (force / area) and strain energy per reference volume into those after a step dt
+// with the velocity gradient L (1 / time) that led to the deformation gradient F. out_of_plane() is
+// the stress along the directions without strain, in 1-D and 2-D; it follows from F and the stress
+// in the other directions.
+//
+// One that remembers more than these has `history`, the number of its variables: both functions
+// then take them last, as const double* in out_of_plane(). They are 0 at the start. One with more
+// constants than Lame's has parameters(): the keys of problem files with the members that they set.
 template <class M>
 concept MaterialModel = std::derived_from<M, Lame> &&
     requires(const M& material, const Matrix<2>& F, const Matrix<2>& L, double dt,
              Matrix<2>& stress, double& energy) {
-  { material.template update<2>(F, L, dt, stress, energy) } -> std::same_as<void>;
-  { material.template out_of_plane<2>(F, L) } -> std::convertible_to<double>;
+  { M::name } -> std::convertible_to<std::string_view>;
+  requires requires {
+    { material.template update<2>(F, L, dt, stress, energy) } -> std::same_as<void>;
+    { material.template out_of_plane<2>(F, L) } -> std::convertible_to<double>;
+  } || requires(double* history) {
+    { M::history } -> std::convertible_to<std::size_t>;
+    { material.template update<2>(F, L, dt, stress, energy, history) } -> std::same_as<void>;
+    { material.template out_of_plane<2>(F, L, history) } -> std::convertible_to<double>;
+  };
 };
+
+// The number of history variables of a material.
+template <class M>
+constexpr std::size_t history_of() {
+  if constexpr (requires { M::history; })
+    return M::history;
+  else
+    return 0;
+}
 
 // sigma = (lambda ln J I + mu (F F^T - I)) / J,
 // W = lambda (ln J)^2 / 2 + mu ((tr F F^T - D) / 2 - ln J)
 // (Gong 2015, eq. 4.33, 4.34, with F F^T: docs/misprints.md, G10).
 struct NeoHookean : Lame {
+  static constexpr std::string_view name = "neo_hookean";
   template <int D>
   void update(const Matrix<D>& F, const Matrix<D>&, double, Matrix<D>& stress,
               double& energy) const {
@@ -73,6 +102,7 @@ struct NeoHookean : Lame {
 // Hypoelastic: the Jaumann rate of sigma is lambda tr(d) I + 2 mu d with d the symmetric part of L;
 // the energy is the work of the stress, J sigma : d per reference volume, by the trapezoidal rule.
 struct LinearElastic : Lame {
+  static constexpr std::string_view name = "linear_elastic";
   template <int D>
   void update(const Matrix<D>& F, const Matrix<D>& L, double dt, Matrix<D>& stress,
               double& energy) const {
@@ -90,12 +120,92 @@ struct LinearElastic : Lame {
   }
 };
 
-static_assert(MaterialModel<NeoHookean> && MaterialModel<LinearElastic>);
+// Elastic and plastic: LinearElastic whose Mises stress is at most yield + hardening times the
+// plastic strain; what is above after an elastic step is taken from the deviator, along itself
+// (radial return: Wilkins 1964; Simo, Hughes 1998, box 3.1). History: the equivalent plastic strain,
+// and the stress along the directions without strain. The energy is the work of the stress, what is
+// dissipated included.
+struct VonMises : Lame {
+  static constexpr std::string_view name = "von_mises";
+  static constexpr std::size_t history = 2;
+  double yield = 0, hardening = 0;  // force / area
 
-using Material = std::variant<NeoHookean, LinearElastic>;
+  static constexpr auto parameters() {
+    return std::array{std::pair{"yield", &VonMises::yield},
+                      std::pair{"hardening", &VonMises::hardening}};
+  }
+  // Throws InvalidArgument unless the yield stress is positive and the hardening not negative.
+  void validate() const {
+    Lame::validate();
+    recon::detail::require(yield > 0 && std::isfinite(yield), "yield", yield,
+                           "must be positive and finite");
+    recon::detail::require(hardening >= 0 && std::isfinite(hardening), "hardening", hardening,
+                           "must be finite and not negative");
+  }
+  template <int D>
+  void update(const Matrix<D>& F, const Matrix<D>& L, double dt, Matrix<D>& stress, double& energy,
+              double* remembered) const {
+    double &plastic = remembered[0], &beyond = remembered[1];
+    const Matrix<D> d = (L + L.transpose()) / 2, before = stress;
+    double elastic = 0;
+    LinearElastic{{lambda, mu}}.update(F, L, dt, stress, elastic);
+    beyond += dt * lambda * d.trace();
+    const double mean = (stress.trace() + (3 - D) * beyond) / 3;
+    const Matrix<D> deviator = stress - mean * Matrix<D>::Identity();
+    const double mises =
+        std::sqrt(1.5 * (deviator.squaredNorm() + (3 - D) * (beyond - mean) * (beyond - mean)));
+    if (const double above = mises - yield - hardening * plastic; above > 0) {
+      const double flow = above / (3 * mu + hardening), left = 1 - 3 * mu * flow / mises;
+      stress = mean * Matrix<D>::Identity() + left * deviator;
+      beyond = mean + left * (beyond - mean);
+      plastic += flow;
+    }
+    energy += dt * F.determinant() * ((before + stress) / 2).cwiseProduct(d).sum();
+  }
+  template <int D>
+  double out_of_plane(const Matrix<D>&, const Matrix<D>&, const double* remembered) const {
+    return remembered[1];
+  }
+};
+
+// The materials that there are; the first one is the default of problem files.
+using Material = std::variant<NeoHookean, LinearElastic, VonMises>;
+
+// Calls work(M()) for each kind of material, in the order of the list.
+template <class Work, std::size_t at = 0>
+void for_each_material(Work&& work) {
+  if constexpr (at < std::variant_size_v<Material>) {
+    using M = std::variant_alternative_t<at, Material>;
+    static_assert(MaterialModel<M>);
+    work(M());
+    for_each_material<Work, at + 1>(std::forward<Work>(work));
+  }
+}
 
 inline const Lame& lame(const Material& material) {
   return std::visit([](const auto& m) -> const Lame& { return m; }, material);
+}
+inline std::string_view name_of(const Material& material) {
+  return std::visit([](const auto& m) { return std::decay_t<decltype(m)>::name; }, material);
+}
+inline std::size_t history_of(const Material& material) {
+  return std::visit([](const auto& m) { return history_of<std::decay_t<decltype(m)>>(); },
+                    material);
+}
+// Throws InvalidArgument for constants that are none.
+inline void validate_material(const Material& material) {
+  std::visit([](const auto& m) { m.validate(); }, material);
+}
+// Its constants beyond Lame's, with their keys.
+inline std::vector<std::pair<std::string_view, double>> constants_of(const Material& material) {
+  std::vector<std::pair<std::string_view, double>> found;
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { m.parameters(); })
+          for (const auto& [key, member] : m.parameters()) found.emplace_back(key, m.*member);
+      },
+      material);
+  return found;
 }
 
 }  // namespace recon::mpm

@@ -1,9 +1,17 @@
-// A method is a choice of policies; every method of the literature is one row of a table.
+// A method is a choice of policies. The methods of the literature are rows of a table; any of their
+// choices can be replaced:
+//
+// ```cpp
+//   recon::mpm::Method method = recon::mpm::composed("cpdi1+velocity=affine+update=flip+blend=0.05");
+//   method.set("stress", "musl");
+//   method.validate(2);  // throws where a choice needs what another one does not have
+// ```
 #pragma once
 
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "recon/mpm/shapes.hpp"
 
@@ -23,7 +31,9 @@ enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 //                  v_c = v_p + L_p (x_c - x_p)
 //   taylor         sum_p S_ip m_p (v_p + L_p d) / m_i (Wallstedt, Guilkey 2007)
 //   affine         sum_p S_ip m_p (v_p + C_p d) / m_i with C_p = B_p D_p^-1 of the step before, B_p
-//                  and D_p the sums of S_ip v_i d^T and of S_ip d d^T (Jiang et al. 2015)
+//                  and D_p the sums of S_ip v_i d^T and of S_ip d d^T (Jiang et al. 2015). Over any
+//                  domain: linear fields and momentum are kept; angular momentum as far as D_p is
+//                  where the particle goes what it was, so exactly with splines
 //   polynomial     the same with all products of the polynomials 1, d, d^2 of the axes, made
 //                  orthogonal under S_ip (Fu et al. 2017)
 enum class VelocityMap { mass_weighted, mls, imls, cpls, taylor, affine, polynomial };
@@ -42,7 +52,8 @@ enum class VelocityMap { mass_weighted, mls, imls, cpls, taylor, affine, polynom
 enum class Quadrature { particles, cells, nodal_cells, taylor_cells, gauss_cells };
 
 // How particles are updated from the nodes, with a_i = f_i / m_i:
-//   flip          v_p += k sum_i S a_i,  x_p += dt sum_i S v_i+
+//   flip          v_p += k sum_i S a_i,  x_p += dt sum_i S v_i+ ; with Method::blend the part
+//                 `blend` of v_p is that of pic
 //   pic           v_p  = sum_i S v_i+ ,  x_p += dt v_p
 //   xpic          v_p  = sum_i S (v*_i + k a_i),  v* = sum_{j < m} (1 - S+ S)^j v_i , where S+ S v
 //                 is the velocity that goes to the particles and back; m is Method::order
@@ -51,8 +62,8 @@ enum class Quadrature { particles, cells, nodal_cells, taylor_cells, gauss_cells
 //   runge_kutta   the rates of flip in the classical four stages, velocities at whole steps
 //                 (Edwards, Bridson 2012). Stresses that are not functions of F, those of
 //                 LinearElastic, follow from the mean L of the stages
-// The velocities of particles are half a step behind their positions, so a single velocity serves
-// for the position where the sources take the mean of two.
+// With leapfrog the velocities of particles are half a step behind their positions, so a single
+// velocity serves for the position where the sources take the mean of two.
 enum class Update { flip, pic, xpic, fmpm, runge_kutta };
 
 // The mass matrix. lumped: the masses m_i alone. consistent: M_ij = sum_p m_p S_ip S_jp, M v = p
@@ -65,7 +76,18 @@ enum class MassMatrix { lumped, consistent };
 //   first  from v_i as it is mapped after the step, at the new place: in each step before the
 //          forces (Andersen, Andersen 2007, section 3.2). Strain and force are then transposes of
 //          each other, and energy oscillates without loss (Bardenhagen 2002). Costs a second map
-enum class StressUpdate { last, first };
+//   musl   from v_i as it is mapped from the updated velocities, at the old place; particles move
+//          with v_i+ still (Sulsky, Zhou, Schreyer 1995). It is a mean of the velocities of
+//          particles, so that a node of next to no mass does no harm. Costs a second map
+enum class StressUpdate { last, first, musl };
+
+// How long the kick k of the velocities is.
+//   leapfrog          half the step before and half this one: velocities are half a step behind
+//                     positions, and the start at t = 0 is of second order
+//   symplectic_euler  this step, as the papers print it: velocities and positions are given at the
+//                     same time, so that a start is of first order. In equal steps the same motion
+//                     as leapfrog, from a start that is half a step apart
+enum class Scheme { leapfrog, symplectic_euler };
 
 // Kinds of these choices that are treated alike.
 inline bool is_element(Basis basis) {
@@ -90,14 +112,37 @@ struct Method {
   Update update = Update::flip;
   std::string source;
 
-  int degree = 1;  // degree of the fits: 1 or 2, with imls up to 3
-  int order = 2;   // the order m of xpic and fmpm
+  int degree = 1;    // degree of the fits: 1 or 2, with imls up to 3
+  int order = 2;     // the order m of xpic and fmpm
+  double blend = 0;  // the part of pic in flip, from 0 to 1
   MassMatrix mass = MassMatrix::lumped;
   StressUpdate stress = StressUpdate::last;
+  Scheme scheme = Scheme::leapfrog;
   SplineBorder border = SplineBorder::corrected;
   bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles',
                                        // also those of gauss_cells
   bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
+
+  // A choice by its key in problem files (method_keys()). Throws InvalidArgument for a key or a
+  // value that there is not, with the nearest ones.
+  void set(std::string_view key, std::string_view value);
+  std::string get(std::string_view key) const;
+
+  // The kick k of a step dt after one of last_dt, and the time by which velocities are behind the
+  // positions after one of last_dt.
+  double kick(double last_dt, double dt) const {
+    return scheme == Scheme::leapfrog ? (last_dt + dt) / 2 : dt;
+  }
+  double velocity_lag(double last_dt) const {
+    return update == Update::runge_kutta || scheme != Scheme::leapfrog ? 0 : last_dt / 2;
+  }
+  // Whether the nodes have the momentum of the particles, up to rounding.
+  bool keeps_momentum() const { return !is_fit(velocity) && quadrature != Quadrature::gauss_cells; }
+  // Whether light nodes may strain too much, so that L is limited there (step.hpp).
+  bool has_light_nodes() const {
+    return domain == Domain::point && basis == Basis::linear && mass == MassMatrix::lumped &&
+           !is_cell(quadrature) && stress == StressUpdate::last && update != Update::runge_kutta;
+  }
 
   // Steps in units of h / (c_p + |v|): the longest with which small noise does not grow, for two
   // particles per cell and axis (docs/mpm.md has the measurement), and the default.
@@ -108,14 +153,28 @@ struct Method {
   // nothing is known.
   std::string caveat() const;
 
-  // Throws InvalidArgument for choices that do not go together, saying why.
+  // Throws InvalidArgument for choices that do not go together: which one, what it needs, and which
+  // other one does not have it.
   void validate(int dimension) const;
 };
+
+// The keys of the choices above but name and source, in the order of problem files and checkpoints.
+struct MethodKey {
+  enum class Kind { word, integer, number, flag } kind;
+  std::string name;
+  std::vector<std::string> words;  // the values of a word
+  double (*get)(const Method&);    // the number of the word, or the value
+  void (*set)(Method&, double);
+};
+std::span<const MethodKey> method_keys();
 
 // All methods of the table.
 std::span<const Method> methods();
 // Throws InvalidArgument for an unknown name, with the nearest valid ones.
 const Method& method_named(std::string_view name);
+// A row with other choices: "ROW+key=value+..." or, where a value is a word of one key alone, "ROW+value".
+// That text is its name. Throws InvalidArgument for what there is not.
+Method composed(std::string_view text);
 
 std::string_view name_of(Domain domain);
 std::string_view name_of(Basis basis);
@@ -124,6 +183,7 @@ std::string_view name_of(Quadrature quadrature);
 std::string_view name_of(Update update);
 std::string_view name_of(MassMatrix mass);
 std::string_view name_of(StressUpdate stress);
+std::string_view name_of(Scheme scheme);
 
 // Calls work(policy) with the policy of the method's domain and basis.
 template <class Work>

@@ -16,6 +16,21 @@
 
 namespace recon::mpm {
 
+// How many entries of the arrays that not every run needs belong to one particle; of all other
+// arrays it is one.
+struct Kept {
+  std::size_t corners = 0;  // 1 for CPDI2
+  std::size_t modes = 0;    // of the maps affine and polynomial
+  std::size_t history = 0;  // of the material that needs most
+};
+
+// An array of the particles in the list of all.
+struct ParticleArray {
+  const char* name;
+  std::size_t per_particle = 1;  // entries, those of one particle consecutive
+  bool kept = false;             // one of Kept: made at the start where it is not given
+};
+
 template <int D>
 struct Particles {
   static constexpr int corner_count = 1 << D;
@@ -35,6 +50,18 @@ struct Particles {
   // those of one particle are consecutive. Only for the maps affine (apic) and polynomial
   // (polypic), else empty
   std::vector<Vector<D>> modes;
+  std::vector<double> history;  // variables of materials that remember (material.hpp), else empty
+
+  // Calls each(ParticleArray, array) for every array. This is the one list of them: validation,
+  // checkpoints, the forecast of memory and whatever else goes through all arrays use it.
+  template <class Each>
+  void arrays(const Kept& kept, Each&& each) {
+    list(*this, kept, each);
+  }
+  template <class Each>
+  void arrays(const Kept& kept, Each&& each) const {
+    list(*this, kept, each);
+  }
 
   std::size_t size() const { return x.size(); }
   double volume(std::size_t p) const { return F[p].determinant() * volume0[p]; }
@@ -59,6 +86,25 @@ struct Particles {
     mass.push_back(density * volume0.back());
     energy.push_back(0);
     body.push_back(of_body);
+  }
+
+ private:
+  template <class Self, class Each>
+  static void list(Self& of, const Kept& kept, Each& each) {
+    each(ParticleArray{"x"}, of.x);
+    each(ParticleArray{"X"}, of.X);
+    each(ParticleArray{"v"}, of.v);
+    each(ParticleArray{"F"}, of.F);
+    each(ParticleArray{"L"}, of.L);
+    each(ParticleArray{"stress"}, of.stress);
+    each(ParticleArray{"half_edges"}, of.half_edges);
+    each(ParticleArray{"mass"}, of.mass);
+    each(ParticleArray{"volume0"}, of.volume0);
+    each(ParticleArray{"energy"}, of.energy);
+    each(ParticleArray{"body"}, of.body);
+    each(ParticleArray{"corners", kept.corners, true}, of.corners);
+    each(ParticleArray{"modes", kept.modes, true}, of.modes);
+    each(ParticleArray{"history", kept.history, true}, of.history);
   }
 };
 

@@ -85,7 +85,7 @@ struct Limits {
 };
 
 // A time step, and the particle that limits it.
-struct Step {
+struct TimeStep {
   double dt = 0;
   std::size_t particle = 0;
 };
@@ -113,6 +113,8 @@ struct Problem {
   // without a text here cannot be compared.
   std::map<std::string, std::string> formulas{};
 
+  // What method and materials keep with each particle.
+  Kept kept() const;
   // Sets velocities, velocity gradients and the body force to those of `exact`.
   void follow_exact();
   // Throws InvalidArgument for a problem that cannot be stepped: choices of the method that do not
@@ -120,20 +122,21 @@ struct Problem {
   // sign, a particle outside of the grid, a boundary on no plane of the grid, a body without a
   // material. This includes everything of that kind that a problem file can have wrong.
   void validate() const;
-  // Checks particles that would take the place of those of the problem.
-  void validate(const Particles<D>& others) const;
+  // Checks particles that would take the place of those of the problem. What kept() counts may be
+  // missing as a whole unless they are `complete`.
+  void validate(const Particles<D>& others, bool complete = false) const;
 };
 
-// The step by the rule of the problem, for its particles as they are:
+// The step by the rule of the problem, for these particles as they are:
 //   adaptive  courant h / max_p (c_p + |v_p|), c_p = sqrt((lambda + 2 mu) / density), density as it
 //             is now
 //   p_wave    courant h / c_p, bar_wave: courant h / sqrt(E / density), at the reference density
 template <int D>
-Step choose_step(const Problem<D>& problem);
+TimeStep choose_step(const Problem<D>& problem, const Particles<D>& particles);
 // The number max_p (c_p + |v_p|) dt / h of a step dt, on which stability depends, whatever the rule
 // of the step is.
 template <int D>
-double courant_of(const Problem<D>& problem, double dt);
+double courant_of(const Problem<D>& problem, const Particles<D>& particles, double dt);
 
 // Throws InvalidArgument unless the density is positive and finite.
 void validate_density(double density);

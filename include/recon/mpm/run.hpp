@@ -38,7 +38,7 @@ struct RunOptions {
   // Called before the first step, when everything has been checked.
   std::function<void(const Forecast& forecast)> begins{};
   // Called after every step.
-  std::function<void(double time, std::int64_t steps, const Step& step)> progress{};
+  std::function<void(double time, std::int64_t steps, const TimeStep& step)> progress{};
   // Called after every checkpoint.
   std::function<void(double time, std::int64_t steps)> saved{};
   // Called before every step: true ends the run there, with a checkpoint.
@@ -51,9 +51,10 @@ struct RunResult {
   double time = 0;
   Ledger first, last;
   double shortest_step = 0, longest_step = 0;
-  std::size_t limiting_particle = 0;   // of the shortest step
-  double largest_momentum_defect = 0;  // |nodes' - particles'|, of all steps
-  std::size_t unfitted = 0;            // most nodes in a step without a fit of their own
+  std::size_t limiting_particle = 0;  // of the shortest step
+  // |nodes' - particles'|, of all steps; of the first and the last one without a ledger.
+  double largest_momentum_defect = 0;
+  std::size_t unfitted = 0;  // most nodes in a step without a fit of their own
   std::optional<NegativeMass> negative_mass, sign_change;  // see Simulation
   std::size_t frames = 0;
   bool stopped = false;  // as RunOptions::stop asked, before the end

@@ -112,7 +112,7 @@ void draw_comparison(const fs::path& path, const std::vector<Row>& rows, const C
   for (const Row& row : rows) {
     const double error = std::abs(row.*against.value);
     if (!(error > 0) || !(row.nanoseconds > 0)) continue;
-    const char* name = family(mpm::method_named(row.method));
+    const char* name = family(mpm::composed(row.method));
     auto curve = std::find_if(plot.curves.begin(), plot.curves.end(),
                               [&](const Curve& each) { return each.name == name; });
     if (curve == plot.curves.end())

@@ -12,8 +12,19 @@ namespace recon::program {
 void ProblemOptions::add_to(CLI::App& command, bool choice) {
   command.add_option("FILE", file, "the problem, a TOML file")->required();
   if (choice) {
-    command.add_option("--method", method, "the method (see recon-mpm methods)")
-        ->check(one_of(method_names("")));
+    command
+        .add_option("--method", method,
+                    "the method (see recon-mpm methods), with other choices: NAME+KEY=VALUE+...")
+        ->check(CLI::Validator(
+            [](std::string& text) {
+              try {
+                mpm::composed(text);
+                return std::string();
+              } catch (const InvalidArgument& error) {
+                return std::string(error.what());
+              }
+            },
+            ""));
     command.add_option("--cells", cells, "cells per unit length")->check(positive_number());
   }
   command.add_option("--set", settings, "KEY=VALUE: another value for a key of the file")
@@ -32,12 +43,14 @@ mpm::AnyProblem ProblemOptions::read(std::vector<std::string> more) const {
 }
 
 std::vector<std::string> method_names(const std::string& list) {
-  std::vector<std::string> known, chosen = split(list);
-  for (const mpm::Method& each : mpm::methods()) known.push_back(each.name);
-  for (const std::string& name : chosen)
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      fail_usage("--methods: unknown '" + name + "'; " + suggest(name, known));
-  return chosen.empty() ? known : chosen;
+  std::vector<std::string> all, chosen = split(list);
+  for (const mpm::Method& each : mpm::methods()) all.push_back(each.name);
+  for (const std::string& name : chosen) try {
+      mpm::composed(name);
+    } catch (const InvalidArgument& error) {
+      fail_usage(std::string("--methods: ") + error.what());
+    }
+  return chosen.empty() ? all : chosen;
 }
 
 }  // namespace recon::program

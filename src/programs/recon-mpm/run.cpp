@@ -183,7 +183,7 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
   constexpr std::size_t whole = 1000000;
   Progress progress("time " + number(file.problem.time.end), whole, options.quiet);
   std::size_t shown = 0;
-  run_options.progress = [&](double time, std::int64_t, const mpm::Step&) {
+  run_options.progress = [&](double time, std::int64_t, const mpm::TimeStep&) {
     const auto now = static_cast<std::size_t>(time / file.problem.time.end * whole);
     if (now > shown) progress.advance(now - shown);
     shown = std::max(shown, now);

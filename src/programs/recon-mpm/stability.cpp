@@ -22,9 +22,9 @@ struct Options {
 void run(const Options& options) {
   if (!options.picture.empty())
     with_exit_code(wrong_usage, [&] { require_picture_extension(options.picture); });
-  std::vector<const mpm::Method*> methods;
+  std::vector<mpm::Method> methods;
   for (const std::string& name : method_names(options.methods))
-    methods.push_back(&mpm::method_named(name));
+    methods.push_back(mpm::composed(name));
   std::vector<int> counts;
   for (const std::string& word : split(options.particles)) {
     const auto count = to_number(word);
@@ -35,12 +35,12 @@ void run(const Options& options) {
   if (options.dimension > 1) {
     std::printf("largest stable c_p dt / h in %d-D\n%-20s %9s %9s %9s\n", options.dimension,
                 "method", "particles", "measured", "default");
-    for (const mpm::Method* method : methods)
+    for (const mpm::Method& method : methods)
       for (const int count : counts) {
-        if (method->basis == mpm::Basis::q8 && options.dimension == 3) continue;
-        std::printf("%-20s %9d %9.3f %9.3f\n", method->name.c_str(), count,
-                    mpm::stability_limit(*method, count, options.dimension).measured,
-                    method->default_courant(options.dimension));
+        if (method.basis == mpm::Basis::q8 && options.dimension == 3) continue;
+        std::printf("%-20s %9d %9.3f %9.3f\n", method.name.c_str(), count,
+                    mpm::stability_limit(method, count, options.dimension).measured,
+                    method.default_courant(options.dimension));
         std::fflush(stdout);
       }
     return;
@@ -49,9 +49,9 @@ void run(const Options& options) {
       "largest stable c_p dt / h in 1-D, measured and 1 / sqrt(Q (2 - W))\n"
       "%-14s %9s %9s %9s %7s %7s\n",
       "method", "particles", "measured", "analytic", "W", "Q");
-  for (const mpm::Method* method : methods)
+  for (const mpm::Method& method : methods)
     for (const int count : counts) {
-      const auto limit = mpm::stability_limit(*method, count);
+      const auto limit = mpm::stability_limit(method, count);
       std::printf("%-14s %9d %9.3f %9.3f %7.4f %7.4f\n", limit.method.c_str(), count,
                   limit.measured, limit.analytic, limit.W, limit.Q);
       std::fflush(stdout);
@@ -65,11 +65,11 @@ void run(const Options& options) {
   plot.y_label = "omega / (k c_p)";
   std::printf("\n%s\n%-14s", plot.title.c_str(), "k h / pi");
   std::vector<std::vector<mpm::DispersionPoint>> curves;
-  for (const mpm::Method* method : methods) {
-    curves.push_back(mpm::dispersion(*method, per_cell, courant));
-    std::printf(" %13s", method->name.c_str());
+  for (const mpm::Method& method : methods) {
+    curves.push_back(mpm::dispersion(method, per_cell, courant));
+    std::printf(" %13s", method.name.c_str());
     auto& curve = plot.curves.emplace_back();
-    curve.name = method->name;
+    curve.name = method.name;
     for (const auto& point : curves.back()) {
       curve.x.push_back(point.kh / 3.14159265358979);
       curve.y.push_back(point.measured);

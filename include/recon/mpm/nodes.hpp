@@ -1,0 +1,99 @@
+// What a step computes on the grid: the nodes, the cells of quadratures over cells, and where a run
+// cannot go on.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "recon/grid/reconstruct_on_grid.hpp"
+#include "recon/mpm/types.hpp"
+
+namespace recon::mpm {
+
+// Thrown where a run cannot go on: a particle left the grid, was turned inside out, or is not
+// finite; a node has a mass that cannot be divided by.
+class Failure : public std::runtime_error {
+ public:
+  // place: "particle" or "node", the kind of thing that `number` counts.
+  Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what);
+  std::int64_t step() const { return step_; }
+  std::size_t number() const { return number_; }
+
+ private:
+  std::int64_t step_;
+  std::size_t number_;
+};
+
+// A node whose mass is negative. Functions of elements (q8, q9) are negative in parts, and a fitted
+// density can be. Momentum and force are then negative as well, and velocity and acceleration are
+// right in rigid motion; but when the sign changes, the mass passes through zero, and dividing by
+// it makes both arbitrary (Andersen, Andersen 2007, appendix, corrected).
+struct NegativeMass {
+  std::int64_t step = 0;
+  std::size_t node = 0;
+  double mass = 0;
+};
+
+// What is seen of negative masses from step to step.
+struct MassSigns {
+  std::vector<signed char> of_nodes;  // in the step before
+  // The first node of negative mass, and the first whose mass changed its sign between two steps.
+  std::optional<NegativeMass> negative, change;
+};
+
+// Entries of a matrix over nodes; several of one place add up.
+using MassEntries = std::vector<Eigen::Triplet<double>>;
+
+template <int D>
+struct Nodes {
+  std::vector<double> mass;
+  MassEntries mass_entries;                 // of the quadrature, for a consistent mass
+  Eigen::SparseMatrix<double> mass_matrix;  // consistent mass, else empty
+  std::vector<Vector<D>> momentum;          // sum_p S m_p v_p, or as the map defines it
+  std::vector<Vector<D>> force;             // internal and external
+  std::vector<Vector<D>> mapped;            // v_i as it was mapped, before boundary conditions
+  std::vector<Vector<D>> velocity;          // v_i
+  std::vector<Vector<D>> acceleration;      // f_i / m_i, zero where the velocity is held
+  // Only for point particles in linear functions with lumped mass, else empty: the part of internal
+  // forces in `force`, and K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.
+  std::vector<Vector<D>> internal;
+  std::vector<double> stiffness;
+  FitReports fit;  // reports of a fitted velocity, at the nodes fit_nodes
+  std::vector<std::uint32_t> fit_nodes;
+  std::size_t unfitted = 0;  // nodes with mass whose velocity had to be mass-weighted
+  std::size_t negative = 0;  // nodes of negative mass
+
+  // Sums are zero, those of light nodes only where they are asked for.
+  void clear(std::size_t count, bool light_nodes) {
+    mass.assign(count, 0);
+    mass_entries.clear();
+    momentum.assign(count, Vector<D>::Zero());
+    force.assign(count, Vector<D>::Zero());
+    internal.assign(light_nodes ? count : 0, Vector<D>::Zero());
+    stiffness.assign(light_nodes ? count : 0, 0);
+    unfitted = 0;
+  }
+  double heaviest() const {
+    double most = 0;
+    for (const double each : mass) most = std::max(most, std::abs(each));
+    return most;
+  }
+};
+
+// The fits of the quadrature, for `cells` at the cell centres and for `nodal_cells` at the
+// nodes. The columns of `values` are density, the stress (row after row of its upper triangle),
+// and body force.
+template <int D>
+struct Cells {
+  Eigen::MatrixXd values;
+  std::vector<double> fill;  // part of each cell that holds material
+  FitReports fit;
+};
+
+}  // namespace recon::mpm

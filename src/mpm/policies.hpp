@@ -1,0 +1,164 @@
+// The policies that a step is made of: one for each choice of the method.
+//
+// They are asked once a step, or once a block of particles; what they keep is their choice, so that
+// one set of them serves any number of steps. The loops over particles are templates over the
+// shape functions (mpm/shapes.hpp), chosen outside of the loop.
+#pragma once
+
+#include <memory>
+
+#include "recon/mpm/step.hpp"
+
+namespace recon::mpm {
+
+constexpr std::size_t particles_per_block = 1024;
+constexpr double lightest_node = 1e-10;  // of the heaviest: lighter ones do not feel forces
+
+// What particles give to the nodes themselves; the rest is the quadrature's.
+struct FromParticles {
+  bool mass_and_force = true;  // else momentum alone
+  const std::vector<double>* full =
+      nullptr;  // cells with more than 0 here count for their particles
+
+  template <int D>
+  bool leaves_out(const Grid<D>& grid, const Vector<D>& x) const {
+    return full && (*full)[grid.cell_number(x)] > 0;
+  }
+};
+
+// Mass and forces of the nodes (and momentum, where the quadrature reconstructs it).
+template <int D>
+class QuadraturePolicy {
+ public:
+  virtual ~QuadraturePolicy() = default;
+  // Adds what is integrated over cells, with b the body force per mass of the particles, and says
+  // what is left to the particles.
+  virtual FromParticles over_cells(const State<D>&, const std::vector<Vector<D>>& b,
+                                   Cells<D>& cells, Nodes<D>& nodes) const = 0;
+};
+
+// Momentum of the nodes from that of the particles, and fits of it.
+template <int D>
+class MapPolicy {
+ public:
+  explicit MapPolicy(const Problem<D>& problem) : problem_(problem) {}
+  virtual ~MapPolicy() = default;
+  // Adds the particles' momentum and, as far as the quadrature leaves it to them, mass and force.
+  void to_nodes(const State<D>& s, const std::vector<Vector<D>>& b, const FromParticles& from,
+                Nodes<D>& nodes) const;
+  // v_i of the map, where they are p_i / m_i before; with the method's correction of momentum.
+  void velocities(const State<D>& s, Nodes<D>& nodes) const;
+
+ protected:
+  // Replaces v_i of the nodes with mass.
+  virtual void fit(const State<D>&, Nodes<D>&) const {}
+
+  const Problem<D>& problem_;
+};
+
+template <int D>
+class BoundaryPolicy;
+
+// v_i = p_i / m_i and a_i = f_i / m_i + g.
+template <int D>
+class MassPolicy {
+ public:
+  explicit MassPolicy(const Problem<D>& problem) : problem_(problem) {}
+  virtual ~MassPolicy() = default;
+  virtual void accelerate(const State<D>&, const FromParticles&, const BoundaryPolicy<D>&,
+                          Nodes<D>& nodes) const;
+  // Reports the first negative mass and the first change of sign, and stops where that is asked for.
+  void watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const;
+
+ protected:
+  const Problem<D>& problem_;
+};
+
+// The nodes' held velocities, and the walls that particles do not pass.
+template <int D>
+class BoundaryPolicy {
+ public:
+  // The velocity of a node along an axis is given.
+  struct Held {
+    std::uint32_t node = 0;
+    int axis = 0;
+    double velocity = 0;
+  };
+
+  explicit BoundaryPolicy(const Problem<D>& problem);
+  const std::vector<Held>& held() const { return held_; }
+  // v_i as it is given, a_i = 0.
+  void hold(Nodes<D>& nodes) const;
+  // Components of held velocities become those, or 0.
+  void give(std::vector<Vector<D>>& velocity) const;
+  void rest(std::vector<Vector<D>>& velocity) const;
+  // Puts back what has passed a wall by a hair. Throws Failure for a particle that is not in the
+  // grid then.
+  void keep_inside(std::size_t begin, std::size_t end, State<D>& s) const;
+
+ private:
+  const Problem<D>& problem_;
+  std::vector<Held> held_;
+  std::array<std::array<bool, 2>, D> walls_{};  // faces that hold their normal velocity at 0
+};
+
+// Forces on the particles from outside.
+template <int D>
+class LoadPolicy {
+ public:
+  explicit LoadPolicy(const Problem<D>& problem) : problem_(problem) {}
+  // The body force per mass of each particle; empty: none.
+  void body_force(const State<D>& s, std::vector<Vector<D>>& out) const;
+  // Adds the loads on single particles to the forces of the nodes.
+  void to_nodes(const State<D>& s, Nodes<D>& nodes) const;
+
+ private:
+  const Problem<D>& problem_;
+};
+
+// F <- (I + dt L) F, stress, energy and history of a block of particles with the velocity gradients
+// L. Throws Failure for a particle that is turned inside out.
+template <int D>
+void strain(const Problem<D>& problem, std::size_t begin, std::size_t end, double dt, State<D>& s);
+// The same with a deformation that is given.
+template <int D>
+void strain_to(const Problem<D>& problem, std::size_t begin, std::size_t end, double dt,
+               State<D>& s);
+
+// The way back: v_p, x_p, L_p and what follows from L.
+template <int D>
+class UpdatePolicy {
+ public:
+  virtual ~UpdatePolicy() = default;
+  virtual void move(Step<D>& step, State<D>& s, double dt) const = 0;
+};
+
+// Of the problem's method.
+template <int D>
+std::unique_ptr<const QuadraturePolicy<D>> make_quadrature(const Problem<D>& problem);
+template <int D>
+std::unique_ptr<const MapPolicy<D>> make_map(const Problem<D>& problem);
+template <int D>
+std::unique_ptr<const MassPolicy<D>> make_mass(const Problem<D>& problem);
+template <int D>
+std::unique_ptr<const UpdatePolicy<D>> make_update(const Problem<D>& problem);
+
+template <int D>
+struct Policies {
+  explicit Policies(const Problem<D>& problem)
+      : quadrature(make_quadrature(problem)),
+        map(make_map(problem)),
+        mass(make_mass(problem)),
+        boundaries(problem),
+        loads(problem),
+        update(make_update(problem)) {}
+
+  std::unique_ptr<const QuadraturePolicy<D>> quadrature;
+  std::unique_ptr<const MapPolicy<D>> map;
+  std::unique_ptr<const MassPolicy<D>> mass;
+  BoundaryPolicy<D> boundaries;
+  LoadPolicy<D> loads;
+  std::unique_ptr<const UpdatePolicy<D>> update;
+};
+
+}  // namespace recon::mpm

@@ -1,0 +1,91 @@
+#include "mpm/update.hpp"
+#include "recon/core/parallel.hpp"
+
+namespace recon::mpm {
+namespace {
+
+template <int D>
+class RungeKutta : public UpdatePolicy<D> {
+ public:
+  explicit RungeKutta(const Problem<D>& problem) : problem_(problem) {}
+
+  void move(Step<D>& step, State<D>& s, double dt) const override {
+    constexpr int stages = 4;
+    constexpr double part[stages] = {0.5, 0.5, 1, 0}, weight[stages] = {1, 2, 2, 1};
+    const State<D> start = s;
+    std::vector<Rates> sum(s.particles.size()), rates(s.particles.size());
+    for (int stage = 0; stage < stages; ++stage) {
+      const bool last = stage + 1 == stages;
+      rates_of(step.nodes(), s.particles, weight[stage] / 6, rates, sum);
+      s.particles = start.particles;
+      advance(step, last ? sum : rates, last ? dt : part[stage] * dt, s);
+      if (last) break;
+      s.time = start.time + part[stage] * dt;
+      step.to_nodes(s);
+    }
+    s.time = start.time;
+    s.tick(dt);
+  }
+
+ private:
+  struct Rates {
+    Vector<D> x = Vector<D>::Zero(), v = Vector<D>::Zero();
+    Matrix<D> L = Matrix<D>::Zero(), F = Matrix<D>::Zero();
+    void add(double factor, const Rates& other) {
+      x += factor * other.x;
+      v += factor * other.v;
+      L += factor * other.L;
+      F += factor * other.F;
+    }
+  };
+
+  // And adds `weight` times the rates to their sum.
+  void rates_of(const Nodes<D>& nodes, const Particles<D>& particles, double weight,
+                std::vector<Rates>& rates, std::vector<Rates>& sum) const {
+    with_shape(problem_.method, [&](auto shape_of) {
+      parallel_blocks(particles.size(), particles_per_block, problem_.threads,
+                      [&](std::size_t begin, std::size_t end) {
+                        typename decltype(shape_of)::template Nodes<D> shape;
+                        for (std::size_t p = begin; p < end; ++p) {
+                          shape_of.shape(problem_.grid, particles, p, shape);
+                          rates[p].x = shape.value(nodes.velocity, trusted);
+                          rates[p].v = shape.value(nodes.acceleration, trusted);
+                          rates[p].L = shape.gradient(nodes.velocity, trusted);
+                          rates[p].F = rates[p].L * particles.F[p];
+                          sum[p].add(weight, rates[p]);
+                        }
+                      });
+    });
+  }
+
+  // From the state at the beginning of the step.
+  void advance(const Step<D>& step, const std::vector<Rates>& rates, double dt, State<D>& s) const {
+    Particles<D>& particles = s.particles;
+    parallel_blocks(particles.size(), particles_per_block, problem_.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t p = begin; p < end; ++p) {
+                        particles.L[p] = rates[p].L;
+                        particles.F[p] += dt * rates[p].F;
+                        particles.x[p] += dt * rates[p].x;
+                        particles.v[p] += dt * rates[p].v;
+                      }
+                      strain_to(problem_, begin, end, dt, s);
+                      step.policies().boundaries.keep_inside(begin, end, s);
+                    });
+  }
+
+  const Problem<D>& problem_;
+};
+
+}  // namespace
+
+template <int D>
+std::unique_ptr<const UpdatePolicy<D>> make_runge_kutta(const Problem<D>& problem) {
+  return std::make_unique<RungeKutta<D>>(problem);
+}
+
+template std::unique_ptr<const UpdatePolicy<1>> make_runge_kutta(const Problem<1>&);
+template std::unique_ptr<const UpdatePolicy<2>> make_runge_kutta(const Problem<2>&);
+template std::unique_ptr<const UpdatePolicy<3>> make_runge_kutta(const Problem<3>&);
+
+}  // namespace recon::mpm

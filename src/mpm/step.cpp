@@ -1,0 +1,55 @@
+#include "recon/mpm/step.hpp"
+
+#include "mpm/policies.hpp"
+
+namespace recon::mpm {
+
+template <int D>
+void Step<D>::operator()(State<D>& s, double dt) {
+  to_nodes(s);          // 1, 2
+  to_particles(s, dt);  // 3, 4
+}
+
+template <int D>
+void Step<D>::to_nodes(const State<D>& s) {
+  const auto& [quadrature, map, mass, boundaries, loads, update] = *policies_;
+  nodes_.clear(problem_->grid.size(), problem_->method.has_light_nodes());
+  loads.body_force(s, body_force_);
+  // 1  particles to nodes: m_i, f_i and p_i by the quadrature, v_i = p_i / m_i or a fit
+  const FromParticles from = quadrature->over_cells(s, body_force_, cells_, nodes_);
+  map->to_nodes(s, body_force_, from, nodes_);
+  loads.to_nodes(s, nodes_);
+  mass->watch(s.steps, nodes_, signs_);
+  mass->accelerate(s, from, boundaries, nodes_);  // 2  a_i = f_i / m_i + g
+  map->velocities(s, nodes_);
+  nodes_.velocity = nodes_.mapped;
+  boundaries.hold(nodes_);
+}
+
+template <int D>
+void Step<D>::to_particles(State<D>& s, double dt) {
+  policies_->update->move(*this, s, dt);  // 3  v_p, x_p, L_p; F, stress, history
+}  // 4  the grid is forgotten
+
+template <int D>
+Step<D>::Step(Problem<D> problem, std::size_t particles) {
+  constexpr std::size_t fewest_for_threads = 2000;  // fewer are done before threads have started
+  problem.method.validate(D);
+  if (particles < fewest_for_threads) problem.threads = 1;
+  problem.particles = {};
+  problem_ = std::make_shared<const Problem<D>>(std::move(problem));
+  policies_ = std::make_shared<const Policies<D>>(*problem_);
+}
+
+template <int D>
+void Step<D>::forget() {
+  nodes_ = {};
+  cells_ = {};
+  signs_ = {};
+}
+
+template class Step<1>;
+template class Step<2>;
+template class Step<3>;
+
+}  // namespace recon::mpm

@@ -1,0 +1,53 @@
+// Deformation and stress of a block of particles.
+#include "mpm/brief.hpp"
+#include "mpm/policies.hpp"
+
+namespace recon::mpm {
+
+template <int D>
+void strain(const Problem<D>& problem, std::size_t begin, std::size_t end, double dt, State<D>& s) {
+  Particles<D>& particles = s.particles;
+  for (std::size_t p = begin; p < end; ++p) {
+    const Matrix<D> before = particles.F[p];
+    particles.F[p] = (Matrix<D>::Identity() + dt * particles.L[p]) * before;
+  }
+  strain_to(problem, begin, end, dt, s);
+}
+
+template <int D>
+void strain_to(const Problem<D>& problem, std::size_t begin, std::size_t end, double dt,
+               State<D>& s) {
+  Particles<D>& particles = s.particles;
+  const std::size_t history = particles.history.size() / particles.size();
+  for (std::size_t p = begin; p < end; ++p)
+    if (!(particles.F[p].determinant() > 0))
+      throw Failure(
+          s.steps, "particle", p,
+          "its volume is no longer positive (det F = " + brief(particles.F[p].determinant()) + ")");
+  // The particles of a body stand together: its material is asked for all of them.
+  for (std::size_t p = begin; p < end;) {
+    const std::int32_t body = particles.body[p];
+    const auto update = [&]<class M>(const M& material) {
+      for (; p < end && particles.body[p] == body; ++p) {
+        double density = particles.energy[p] / particles.volume0[p];
+        if constexpr (history_of<M>() > 0)
+          material.update(particles.F[p], particles.L[p], dt, particles.stress[p], density,
+                          &particles.history[p * history]);
+        else
+          material.update(particles.F[p], particles.L[p], dt, particles.stress[p], density);
+        particles.energy[p] = density * particles.volume0[p];
+      }
+    };
+    std::visit(update, problem.materials[static_cast<std::size_t>(body)]);
+  }
+}
+
+#define RECON_INSTANTIATE(D)                                                            \
+  template void strain(const Problem<D>&, std::size_t, std::size_t, double, State<D>&); \
+  template void strain_to(const Problem<D>&, std::size_t, std::size_t, double, State<D>&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
+
+}  // namespace recon::mpm

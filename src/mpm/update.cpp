@@ -1,0 +1,221 @@
+// The updates that map once a step, and what they are chosen from.
+#include "mpm/update.hpp"
+#include "core/flatten.hpp"
+#include "mpm/modes.hpp"
+#include "mpm/policies.hpp"
+#include "recon/core/parallel.hpp"
+#include "recon/transfer/scatter.hpp"
+
+namespace recon::mpm {
+namespace {
+
+constexpr double light_node = 0.1;     // of the heaviest
+constexpr double most_strained = 0.5;  // k dt K / m of a light node
+
+// What the particles of a step take from the nodes: v_p and what they carry beyond it, L and what
+// follows from it, x.
+struct Parts {
+  bool velocity = true, strain = true, position = true;
+};
+
+// Nodal velocities of a step.
+template <int D>
+struct Carried {
+  const std::vector<Vector<D>>& carried;    // moves the particles
+  const std::vector<Vector<D>>& straining;  // makes L
+  double kick;                              // by which accelerations count
+};
+
+// v_p, x_p, L of all particles, and what follows.
+template <int D, class Shape>
+void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>& nodes,
+          const Carried<D>& from, Parts parts, double dt, State<D>& s, const Shape& shape_of) {
+  Particles<D>& particles = s.particles;
+  const Grid<D>& grid = problem.grid;
+  const Method& method = problem.method;
+  const double pic = method.update == Update::flip ? method.blend : 1;  // part of it in v_p
+  const auto modes = static_cast<std::size_t>(mode_count(method.velocity, D));
+  parallel_blocks(particles.size(), particles_per_block, problem.threads,
+                  [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
+                    typename Shape::template Nodes<D> shape;
+                    ParticleModes<D, Shape> of;
+                    for (std::size_t p = begin; p < end; ++p) {
+                      shape_of.shape(grid, particles, p, shape);
+                      if (parts.strain) particles.L[p] = shape.gradient(from.straining, trusted);
+                      if (!parts.velocity && !parts.position) continue;
+                      const Vector<D> v = shape.value(from.carried, trusted);
+                      if (parts.velocity) {
+                        if (modes > 0) {
+                          of.fill(grid, shape_of, particles.x[p], shape, mode_set(method.velocity));
+                          of.take(shape, from.carried, &particles.modes[p * modes]);
+                        }
+                        if (pic < 1)
+                          particles.v[p] += from.kick * shape.value(nodes.acceleration, trusted);
+                        if (pic == 1)
+                          particles.v[p] = v;
+                        else if (pic > 0)
+                          particles.v[p] += pic * (v - particles.v[p]);
+                      }
+                      if (!parts.position) continue;
+                      particles.x[p] += dt * v;
+                      shape_of.move(grid, particles, p, from.carried, dt);
+                    }
+                    if (parts.strain) strain(problem, begin, end, dt, s);
+                    if (parts.position) policies.boundaries.keep_inside(begin, end, s);
+                  });
+}
+
+// flip and pic: v_i+ = v_i + k a_i carries and strains.
+template <int D>
+class SingleMap : public UpdatePolicy<D> {
+ public:
+  explicit SingleMap(const Problem<D>& problem) : problem_(problem) {}
+
+  void move(Step<D>& step, State<D>& s, double dt) const final {
+    Nodes<D>& nodes = step.changeable_nodes();
+    const double kick = problem_.method.kick(s.last_dt, dt);
+    std::vector<Vector<D>> carried = this->carried(step, s, kick);  // empty: nodes.velocity
+    const auto receive = [&](const std::vector<Vector<D>>& straining, Parts parts) {
+      const Carried<D> from{carried.empty() ? nodes.velocity : carried, straining, kick};
+      with_shape(problem_.method, [&](auto shape_of) {
+        take(problem_, step.policies(), nodes, from, parts, dt, s, shape_of);
+      });
+    };
+    switch (problem_.method.stress) {
+      case StressUpdate::last: {  // L of the nodes' velocities after the kick
+        const std::vector<Vector<D>> limited = this->limited(step, dt, kick);
+        receive(limited.empty() ? nodes.velocity : limited, {});
+        s.tick(dt);
+        break;
+      }
+      case StressUpdate::musl:  // of what the new v_p show to the nodes at the old x_p
+        if (carried.empty()) carried = nodes.velocity;
+        receive(carried, {.strain = false, .position = false});
+        step.to_nodes(s);
+        receive(nodes.velocity, {.velocity = false});
+        s.tick(dt);
+        break;
+      case StressUpdate::first:  // of what they show there at the new x_p
+        receive(nodes.velocity, {.strain = false});
+        s.tick(dt);
+        step.to_nodes(s);
+        receive(nodes.velocity, {.velocity = false, .position = false});
+    }
+  }
+
+ protected:
+  // Makes nodes.velocity that of which L is made, and returns what carries the particles; empty: the
+  // same.
+  virtual std::vector<Vector<D>> carried(Step<D>& step, const State<D>&, double kick) const {
+    Nodes<D>& nodes = step.changeable_nodes();
+    accelerate(nodes, kick, nodes.velocity);
+    return {};
+  }
+  static void accelerate(const Nodes<D>& nodes, double kick, std::vector<Vector<D>>& velocity) {
+    for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += kick * nodes.acceleration[i];
+  }
+
+  const Problem<D>& problem_;
+
+ private:
+  // The nodes' velocities of which L is made, where some have a mass that is too small for the step;
+  // empty where none has.
+  static std::vector<Vector<D>> limited(const Step<D>& step, double dt, double kick) {
+    const Nodes<D>& nodes = step.nodes();
+    std::vector<Vector<D>> velocity;
+    if (nodes.stiffness.empty()) return velocity;
+    const double heaviest = nodes.heaviest();
+    for (std::size_t i = 0; i < nodes.stiffness.size(); ++i) {
+      const double mass = std::abs(nodes.mass[i]);
+      const double strained = kick * dt * nodes.stiffness[i];
+      const bool feels_forces = mass > lightest_node * heaviest;
+      if (!feels_forces || mass > light_node * heaviest || strained <= most_strained * mass)
+        continue;
+      if (velocity.empty()) velocity = nodes.velocity;
+      velocity[i] -=
+          (1 - most_strained * mass / strained) * kick / nodes.mass[i] * nodes.internal[i];
+    }
+    if (!velocity.empty()) step.policies().boundaries.give(velocity);
+    return velocity;
+  }
+};
+
+// xpic and fmpm.
+template <int D>
+class Filtered : public SingleMap<D> {
+ public:
+  using SingleMap<D>::SingleMap;
+
+ protected:
+  std::vector<Vector<D>> carried(Step<D>& step, const State<D>& s, double kick) const override {
+    Nodes<D>& nodes = step.changeable_nodes();
+    if (this->problem_.method.update == Update::fmpm) {
+      this->accelerate(nodes, kick, nodes.velocity);
+      nodes.velocity = filtered(step, s, std::move(nodes.velocity));
+      return {};
+    }
+    std::vector<Vector<D>> smooth = filtered(step, s, nodes.velocity);  // L is of the nodes' own
+    this->accelerate(nodes, kick, smooth);
+    this->accelerate(nodes, kick, nodes.velocity);
+    return smooth;
+  }
+
+ private:
+  // sum_{j < m} (1 - S+ S)^j of a velocity, zero where one is held for j > 0.
+  std::vector<Vector<D>> filtered(const Step<D>& step, const State<D>& s,
+                                  std::vector<Vector<D>> velocity) const {
+    const Problem<D>& problem = this->problem_;
+    const Particles<D>& particles = s.particles;
+    const Nodes<D>& nodes = step.nodes();
+    std::vector<Vector<D>> left = velocity, back(velocity.size()), seen(particles.size());
+    for (int j = 1; j < problem.method.order; ++j) {
+      std::fill(back.begin(), back.end(), Vector<D>::Zero());
+      with_shape(problem.method, [&](auto shape_of) {
+        using Seen = typename decltype(shape_of)::template Nodes<D>;
+        parallel_blocks(particles.size(), particles_per_block, problem.threads,
+                        [&](std::size_t begin, std::size_t end) {
+                          Seen shape;
+                          for (std::size_t p = begin; p < end; ++p) {
+                            shape_of.shape(problem.grid, particles, p, shape);
+                            seen[p] = shape.value(left, trusted);
+                          }
+                        });
+        const auto rows = [&](std::size_t p) {
+          return shape_of.nodes_along(problem.grid, particles, p, D - 1);
+        };
+        scatter_by_rows<Seen>(particles.size(), problem.threads, rows,
+                              [&](std::size_t p, Seen& shape) {
+                                shape_of.shape(problem.grid, particles, p, shape);
+                                for (std::size_t k = 0; k < shape.size(); ++k)
+                                  back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen[p];
+                              });
+      });
+      for (std::size_t i = 0; i < left.size(); ++i)
+        if (nodes.mass[i] != 0) left[i] -= back[i] / nodes.mass[i];
+      step.policies().boundaries.rest(left);
+      for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
+    }
+    return velocity;
+  }
+};
+
+}  // namespace
+
+template <int D>
+std::unique_ptr<const UpdatePolicy<D>> make_update(const Problem<D>& problem) {
+  switch (problem.method.update) {
+    case Update::xpic:
+    case Update::fmpm:
+      return std::make_unique<Filtered<D>>(problem);
+    case Update::runge_kutta:
+      return make_runge_kutta(problem);
+    default:
+      return std::make_unique<SingleMap<D>>(problem);
+  }
+}
+
+template std::unique_ptr<const UpdatePolicy<1>> make_update(const Problem<1>&);
+template std::unique_ptr<const UpdatePolicy<2>> make_update(const Problem<2>&);
+template std::unique_ptr<const UpdatePolicy<3>> make_update(const Problem<3>&);
+
+}  // namespace recon::mpm

@@ -1,0 +1,256 @@
+// What particles give to the nodes, and the fitted velocity maps.
+#include "core/flatten.hpp"
+#include "mpm/modes.hpp"
+#include "mpm/policies.hpp"
+#include "recon/core/parallel.hpp"
+#include "recon/operators/reconstruct.hpp"
+#include "recon/transfer/scatter.hpp"
+
+namespace recon::mpm {
+namespace {
+
+// The sums over particles. A particle shows to its node k
+//   v_p                       mass_weighted, and fits before they are made
+//   v_p + L_p (x_k - x_p)     taylor
+//   v_p + sum_r c_r s_r(x_k)  affine, polynomial
+template <int D, class Shape>
+class Scatter {
+ public:
+  Scatter(const Problem<D>& problem, const State<D>& s, const std::vector<Vector<D>>& b,
+          const FromParticles& from, Nodes<D>& nodes, const Shape& shape_of)
+      : problem_(problem),
+        grid_(problem.grid),
+        particles_(s.particles),
+        b_(b),
+        from_(from),
+        nodes_(nodes),
+        shape_of_(shape_of),
+        map_(problem.method.velocity),
+        modes_(static_cast<std::size_t>(mode_count(map_, D))) {}
+
+  void run() const {
+    const auto rows = [&](std::size_t p) {
+      return shape_of_.nodes_along(grid_, particles_, p, D - 1);
+    };
+    // Flattened, here and on the way back: with so many shapes the compiler runs out of what it
+    // inlines.
+    const auto add = [&](std::size_t p, Scratch& scratch) RECON_FLATTEN { this->add(p, scratch); };
+    scatter_by_rows<Scratch>(particles_.size(), problem_.threads, rows, add);
+  }
+
+ private:
+  struct Scratch {
+    typename Shape::template Nodes<D> shape;
+    ParticleModes<D, Shape> modes;
+    std::vector<Vector<D>> velocity;  // that the particle shows to each of its nodes
+  };
+
+  void add(std::size_t p, Scratch& scratch) const {
+    if (from_.leaves_out(grid_, particles_.x[p])) return;
+    auto& shape = scratch.shape;
+    const double volume = shape_of_.shape(grid_, particles_, p, shape);
+    if (map_ != VelocityMap::taylor && modes_ == 0) {
+      const Vector<D> v = particles_.v[p];
+      return spread(p, volume, shape, [&](std::size_t) -> const Vector<D>& { return v; });
+    }
+    scratch.velocity.assign(shape.size(), particles_.v[p]);
+    if (map_ == VelocityMap::taylor)
+      for (std::size_t k = 0; k < shape.size(); ++k)
+        scratch.velocity[k] += particles_.L[p] * (grid_.position(shape.node[k]) - particles_.x[p]);
+    if (modes_ > 0) {
+      scratch.modes.fill(grid_, shape_of_, particles_.x[p], shape, mode_set(map_));
+      scratch.modes.add_to(scratch.velocity, shape.size(), &particles_.modes[p * modes_]);
+    }
+    spread(p, volume, shape,
+           [&](std::size_t k) -> const Vector<D>& { return scratch.velocity[k]; });
+  }
+
+  // show(k) is the velocity that the particle shows to its node k.
+  template <class At, class Show>
+  void spread(std::size_t p, double volume, const At& shape, const Show& show) const {
+    const double mass = particles_.mass[p];
+    if (!from_.mass_and_force) {
+      for (std::size_t k = 0; k < shape.size(); ++k)
+        nodes_.momentum[shape.node[k]] += shape.S[k] * mass * show(k);
+      return;
+    }
+    const Matrix<D> pull = -volume * particles_.stress[p];
+    const Vector<D> push = b_.empty() ? Vector<D>::Zero() : Vector<D>(mass * b_[p]);
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      const std::uint32_t i = shape.node[k];
+      const double part = shape.S[k] * mass;
+      nodes_.mass[i] += part;
+      nodes_.momentum[i] += part * show(k);
+      nodes_.force[i] += pull * shape.G[k] + shape.S[k] * push;
+    }
+    if (nodes_.stiffness.empty()) return;
+    const Lame& elastic = lame(problem_.materials[particles_.body[p]]);
+    const double stiffness = volume * (elastic.lambda + 2 * elastic.mu);
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      nodes_.internal[shape.node[k]] += pull * shape.G[k];
+      nodes_.stiffness[shape.node[k]] += stiffness * shape.G[k].squaredNorm();
+    }
+  }
+
+  const Problem<D>& problem_;
+  const Grid<D>& grid_;
+  const Particles<D>& particles_;
+  const std::vector<Vector<D>>& b_;
+  const FromParticles& from_;
+  Nodes<D>& nodes_;
+  const Shape shape_of_;
+  VelocityMap map_;
+  std::size_t modes_;
+};
+
+// Particles, and after them the corners of their domains with the velocity
+// v_c = v_p + L_p (x_c - x_p) (Tran et al. 2019, eq. 25, 41).
+template <int D>
+struct WithCorners {
+  std::vector<Vector<D>> x, v;
+
+  WithCorners(const Particles<D>& particles, int threads) : x(particles.x), v(particles.v) {
+    constexpr std::size_t corner_count = Particles<D>::corner_count;
+    const std::size_t count = particles.size();
+    x.resize(count * (1 + corner_count));
+    v.resize(x.size());
+    parallel_blocks(count, 1024, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        const auto corners = particles.domain(p);
+        for (std::size_t a = 0; a < corner_count; ++a) {
+          const std::size_t at = count + p * corner_count + a;
+          x[at] = corners[a];
+          v[at] = particles.v[p] + particles.L[p] * (corners[a] - particles.x[p]);
+        }
+      }
+    });
+  }
+};
+
+template <int D>
+void on_grid(const Problem<D>& problem, const std::vector<Vector<D>>& x,
+             const std::vector<Vector<D>>& v, Nodes<D>& nodes) {
+  const auto fit =
+      reconstruct_on_grid(points_of(x), {field_of(v)}, problem.grid.nodes(),
+                          {.degree = problem.method.degree, .threads = problem.threads});
+  nodes.fit = fit.report();
+  nodes.fit_nodes.resize(nodes.mass.size());
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
+    nodes.fit_nodes[i] = static_cast<std::uint32_t>(i);
+    if (!(nodes.mass[i] > 0)) continue;
+    if (fit.report()[i].status == FitStatus::no_support)
+      ++nodes.unfitted;
+    else
+      nodes.mapped[i] = fit.values().row(static_cast<Eigen::Index>(i)).transpose();
+  }
+}
+
+// Where no point lies in the support of a node, the mass-weighted velocity is kept, and the node
+// counted in nodes.unfitted.
+template <int D>
+class MlsMap : public MapPolicy<D> {
+ public:
+  using MapPolicy<D>::MapPolicy;
+
+ protected:
+  void fit(const State<D>& s, Nodes<D>& nodes) const override {
+    on_grid(this->problem_, s.particles.x, s.particles.v, nodes);
+  }
+};
+
+template <int D>
+class CplsMap : public MapPolicy<D> {
+ public:
+  using MapPolicy<D>::MapPolicy;
+
+ protected:
+  void fit(const State<D>& s, Nodes<D>& nodes) const override {
+    const WithCorners<D> data(s.particles, this->problem_.threads);
+    on_grid(this->problem_, data.x, data.v, nodes);
+  }
+};
+
+// The fit node by node, by graded Gram-Schmidt.
+template <int D>
+class ImlsMap : public MapPolicy<D> {
+ public:
+  using MapPolicy<D>::MapPolicy;
+
+ protected:
+  void fit(const State<D>& s, Nodes<D>& nodes) const override {
+    const Problem<D>& problem = this->problem_;
+    std::vector<Vector<D>> targets;
+    nodes.fit_nodes.clear();
+    for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
+      if (!(nodes.mass[i] > 0)) continue;
+      nodes.fit_nodes.push_back(static_cast<std::uint32_t>(i));
+      targets.push_back(problem.grid.position(i));
+    }
+    const Reconstruction fit = reconstruct(points_of(s.particles.x), points_of(targets),
+                                           {.degree = problem.method.degree,
+                                            .weight = Weight::cubic_b_spline,
+                                            .form = WeightForm::tensor_product,
+                                            .neighbours = Radius{2 * problem.grid.h()},
+                                            .solver = Solver::gram_schmidt,
+                                            .threads = problem.threads});
+    std::vector<Vector<D>> fitted(targets.size());
+    fit.apply(field_of(s.particles.v), field_of(fitted));
+    nodes.fit = fit.report();
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+      if (fit.report()[t].status == FitStatus::no_support)
+        ++nodes.unfitted;
+      else
+        nodes.mapped[nodes.fit_nodes[t]] = fitted[t];
+    }
+  }
+};
+
+}  // namespace
+
+template <int D>
+void MapPolicy<D>::to_nodes(const State<D>& s, const std::vector<Vector<D>>& b,
+                            const FromParticles& from, Nodes<D>& nodes) const {
+  with_shape(problem_.method, [&](auto shape_of) {
+    Scatter<D, decltype(shape_of)>(problem_, s, b, from, nodes, shape_of).run();
+  });
+}
+
+template <int D>
+void MapPolicy<D>::velocities(const State<D>& s, Nodes<D>& nodes) const {
+  fit(s, nodes);
+  if (!problem_.method.momentum_correction || problem_.method.keeps_momentum()) return;
+  const Particles<D>& particles = s.particles;
+  Vector<D> missing = Vector<D>::Zero();
+  double mass = 0;
+  for (std::size_t p = 0; p < particles.size(); ++p) missing += particles.mass[p] * particles.v[p];
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
+    missing -= nodes.mass[i] * nodes.mapped[i];
+    mass += nodes.mass[i];
+  }
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i)
+    if (nodes.mass[i] != 0) nodes.mapped[i] += missing / mass;
+}
+
+template <int D>
+std::unique_ptr<const MapPolicy<D>> make_map(const Problem<D>& problem) {
+  switch (problem.method.velocity) {
+    case VelocityMap::mls:
+      return std::make_unique<MlsMap<D>>(problem);
+    case VelocityMap::imls:
+      return std::make_unique<ImlsMap<D>>(problem);
+    case VelocityMap::cpls:
+      return std::make_unique<CplsMap<D>>(problem);
+    default:
+      return std::make_unique<MapPolicy<D>>(problem);
+  }
+}
+
+#define RECON_INSTANTIATE(D)   \
+  template class MapPolicy<D>; \
+  template std::unique_ptr<const MapPolicy<D>> make_map(const Problem<D>&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
+
+}  // namespace recon::mpm
