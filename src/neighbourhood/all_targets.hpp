@@ -122,8 +122,8 @@ class AllTargets {
     return end;
   }
 
-  // What will be read of targets to come, and written for the target at a place: in the caller's order
-  // both may be anywhere.
+  // What will be read of targets to come, and written for the target at a place: in the caller's
+  // order both may be anywhere.
   void fetch(std::size_t s) const {
     constexpr std::size_t ahead = 16;
     if (order_.empty()) return;

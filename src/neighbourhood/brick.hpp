@@ -3,9 +3,9 @@
 // Of particles in double the candidates are floats about the middle of the targets. A distance
 // between two of them is off by at most `error_` (twice half a unit of Coarse<S>, and the roundings
 // of three floats), its square by a relative 2^-20 more. So limits come in pairs: what measures at
-// most `sure` is within a radius, and what measures more than `possible` is not. Between the two the
-// coordinates decide, by distance2() and along_axis(). Of particles in float all is exact, and the two
-// are one.
+// most `sure` is within a radius, and what measures more than `possible` is not. Between the two
+// the coordinates decide, by distance2() and along_axis(). Of particles in float all is exact, and
+// the two are one.
 #pragma once
 
 #include <algorithm>
@@ -91,8 +91,8 @@ class Brick {
     const double r = radius * cells_.view().units;
     return around(r > error_ ? r - error_ : -1, r + error_);
   }
-  // Around the measure of one that is within the radius: what measures less than `sure` is nearer than
-  // that one, and what measures more than `possible` is farther.
+  // Around the measure of one that is within the radius: what measures less than `sure` is nearer
+  // than that one, and what measures more than `possible` is farther.
   Limits limits_of_measure(float measure, S radius) const {
     if constexpr (std::is_same_v<S, float>) return {measure, measure};
     const double m = measure, off = 2 * std::sqrt(double(D)) * error_;
@@ -118,8 +118,8 @@ class Brick {
   }
   const NearArrays& near() const { return near_; }
 
-  // The k that measure least into chosen(), in order or, with `ranked`, in no order. Of near() there
-  // must be k at least. See select_smallest().
+  // The k that measure least into chosen(), in order or, with `ranked`, in no order. Of near()
+  // there must be k at least. See select_smallest().
   Smallest choose(std::int64_t k, float probably, bool ranked) {
     if (near_.count <= shared_.kernels.most_ranked) {
       const auto& kernel = ranked ? shared_.kernels.rank_smallest : shared_.kernels.select_smallest;

@@ -4,10 +4,10 @@
 //   near_ball, near_cube    the candidates near one point
 //   select_smallest, ranks  the nearest of a few, by counting for each how many are smaller
 //
-// Candidates are floats, sixteen to a vector register, about the centre of the box. For particles in
-// float these are the coordinates themselves, and squared distances have the bits of
+// Candidates are floats, sixteen to a vector register, about the centre of the box. For particles
+// in float these are the coordinates themselves, and squared distances have the bits of
 // squared_distance(): nothing is fused. For particles in double they are off by a little; who asks
-// must know by how much (Candidates in brick.hpp), and decide by the coordinates themselves what
+// must know by how much (brick.hpp), and decide by the coordinates themselves what
 // floats cannot tell.
 #pragma once
 
@@ -55,7 +55,8 @@ static inline std::int64_t row_of_cells(const std::int64_t* counts, std::int64_t
   return (band * counts[2] + k * height + in_band) * counts[0];
 }
 
-// The cells from..to along each axis, and of their particles those with lower <= x - centre <= upper.
+// The cells from..to along each axis, and of their particles those with lower <= x - centre <=
+// upper.
 template <class S>
 struct CellBox {
   std::int64_t from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
@@ -88,13 +89,14 @@ struct Smallest {
   float largest, next;
 };
 
-// collect: adds the particles of the box, by ascending place. Stops when the work exceeds its limit.
+// collect: adds the particles of the box, by ascending place. Stops when the work exceeds its
+// limit.
 // near_...: adds the candidates begin .. end - 1 of which the measure is at most `limit`, in order.
 // ranks: rank[i] = how many values are smaller than values[i]. Reads and writes up to 64 elements
 // beyond the last of both arrays. Cost count^2 / lanes.
-// select_smallest: puts into `chosen`, in order, those than which fewer than k are smaller; of `near`
-// there must be k at least. `probably` is a measure that most likely fewer than k do not exceed: those
-// need no ranks, or ranks among themselves only. All arrays have room for 64 more.
+// select_smallest: puts into `chosen`, in order, those than which fewer than k are smaller; of
+// `near` there must be k at least. `probably` is a measure that most likely fewer than k do not
+// exceed: those need no ranks, or ranks among themselves only. All arrays have room for 64 more.
 // rank_smallest: the same in no order, with rank[i] = how many measure less than chosen i.
 // count_at_most: how many of the values are at most `limit`.
 #define RECON_CELL_KERNELS                                                                         \

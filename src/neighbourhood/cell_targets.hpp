@@ -101,8 +101,8 @@ class CellTargets {
       find(targets.first(left), larger_guess(targets[0].x, radius, fewest), tries + 1, found);
   }
 
-  // Half of the targets, brought to the front, where it pays to collect once for each half: if there
-  // are many targets, and many candidates that are near only some of them.
+  // Half of the targets, brought to the front, where it pays to collect once for each half: if
+  // there are many targets, and many candidates that are near only some of them.
   std::span<Target> split(std::span<Target> targets, const Point& lower, const Point& upper) const {
     constexpr std::int64_t many = 512;
     const auto count = static_cast<std::int64_t>(targets.size());

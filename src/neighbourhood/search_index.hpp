@@ -24,7 +24,8 @@ namespace recon::detail {
 // How the targets of a search are given, and what rows are to be like.
 struct RowsAsked {
   bool in_order = false;  // targets follow each other in space as they are (sort_by_bricks)
-  bool by_index = false;  // rows by ascending (index, shift), whatever the rule says
+  // Rows by ascending (index, shift), whatever the rule says, where the search by cells finds them.
+  bool by_index = false;
 };
 
 // The candidates of a Brick (brick.hpp) that belong to one periodic image: those from the end of the
