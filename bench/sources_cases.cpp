@@ -53,7 +53,7 @@ void time_setting(Lab& lab, const CloudSetting& setting, Table& index, Table& pr
   recon::RandomNumbers random(3);
   const double h = std::pow(static_cast<double>(size.sources), -1.0 / D);
   for (auto& x : moved.sources)
-    for (double& c : x) c += 0.3 * h * random.uniform(-1, 1);
+    for (double& c : x) c += 0.1 * h * random.uniform(-1, 1);
   std::vector<Points<D>> parts(calls);
   for (std::size_t t = 0; t < cloud.targets.size(); ++t)
     parts[t * calls / cloud.targets.size()].push_back(cloud.targets[t]);
@@ -150,8 +150,9 @@ Section run_sources(Lab& lab) {
       "Sources: an index that is kept",
       "The sources of the cloud and 20,000 targets (moment matrix). `one call` is "
       "reconstruct(points, targets); `20 calls` make Sources and ask them for a twentieth of the "
-      "targets at a time, `of points` without Sources; `update` moves every particle by up to 0.3 "
-      "spacings, then updates Sources and fit. Below: values of one component on one thread, "
+      "targets at a time, `of points` without Sources; `update` moves every particle by up to a "
+      "tenth of the spacing, then updates Sources and fit. Below: values of one component on one "
+      "thread, "
       "against a plain loop over the same entries in an order of space.",
       {},
       {}};

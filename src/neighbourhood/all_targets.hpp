@@ -10,12 +10,18 @@
 
 namespace recon::detail {
 
-// The order of bricks of cells, in which targets are treated: those that follow each other look at
-// the same few kilobytes of particles. Into `sort`.
+// How many cells along each axis the targets of a group may extend over.
+template <int D>
+inline constexpr int cells_of_a_brick = D == 1   ? 16
+                                        : D == 2 ? 4
+                                                 : 2;
+
+// The order of bricks of cells, in which targets are treated: those that follow each other see the
+// same particles, and make groups. Into `sort`.
 template <class S, int D>
 void sort_by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targets, int threads,
                     CountingSort& sort) {
-  int edge = D == 1 ? 64 : D == 2 ? 8 : 4;
+  int edge = cells_of_a_brick<D>;
   CellIndex bricks{};
   const auto count = [&] {
     std::size_t all = 1;
@@ -33,7 +39,7 @@ void sort_by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targets, int 
     for (std::size_t t = begin; t < end; ++t) {
       const CellIndex at = cells.cell_index(targets.template point<D>(t));
       key[t] = static_cast<std::uint32_t>(
-          ((at[2] >> shift) * bricks[1] + (at[1] >> shift)) * bricks[0] + (at[0] >> shift));
+          row_of_cells(bricks.data(), at[1] >> shift, at[2] >> shift) + (at[0] >> shift));
     }
   });
   sort.sort(count(), threads);
@@ -45,14 +51,9 @@ class AllTargets {
   // With `in_order` targets follow each other in space as they are.
   AllTargets(SharedByTargets<S, D>& shared, bool in_order, NeighbourList<S>& list)
       : shared_(shared), memory_(shared.index.template memory<Key>()), list_(list) {
-    const Cells<S, D>& cells = shared.grid->sorted_cells();
     if (in_order) return;
-    if (&shared.targets == &shared.particles) {  // sorted already
-      order_ = {cells.view().index, cells.particles()};
-    } else {
-      sort_by_bricks(cells, shared.targets, shared.options.threads, sort_);
-      order_ = sort_.order();
-    }
+    sort_by_bricks(shared.grid->sorted_cells(), shared.targets, shared.options.threads, sort_);
+    order_ = sort_.order();
   }
 
   void find() {
@@ -68,14 +69,72 @@ class AllTargets {
  private:
   using Targets = CellTargets<S, D, periodic>;
   using Key = typename Targets::Key;
+  using Target = typename Targets::Target;
   static constexpr std::size_t targets_per_block = 512;
 
   std::size_t count() const { return shared_.targets.size(); }
   std::size_t target(std::size_t place) const { return order_.empty() ? place : order_[place]; }
 
-  template <class Block>
-  void for_blocks(const Progress& progress, const Block& block) const {
-    recon::parallel_blocks(count(), targets_per_block, shared_.options.threads, progress, block);
+  // For each block in parallel take(block, targets, number), after the search for each target.
+  template <class Take>
+  void find_all(const Take& take) const {
+    recon::parallel_blocks(count(), targets_per_block, shared_.options.threads,
+                           shared_.options.progress, [&](std::size_t begin, std::size_t end) {
+                             const auto buffers = memory_.buffers.lend();
+                             Targets targets(shared_, *buffers);
+                             for (std::size_t s = begin; s < end;) {
+                               s = next_group(s, end, buffers->group);
+                               targets.find(std::span(buffers->group), [&](std::size_t t, S rho) {
+                                 list_.support[t] = rho;
+                                 take(begin / targets_per_block, targets, t);
+                               });
+                             }
+                           });
+  }
+
+  // Targets from place `begin` on that are close to each other and have radii of one magnitude.
+  // Returns the place behind them.
+  std::size_t next_group(std::size_t begin, std::size_t end, std::vector<Target>& group) const {
+    const double extent = cells_of_a_brick<D> * shared_.grid->sorted_cells().size();
+    std::array<S, D> lower{}, upper{};
+    S smallest = 0, largest = 0;
+    group.clear();
+    for (std::size_t s = begin; s < end; ++s) {
+      const auto number = static_cast<std::uint32_t>(target(s));
+      const Target next{shared_.targets.template point<D>(number), number};
+      const S radius = shared_.question.radius_of(number);
+      if (s == begin) {
+        lower = upper = next.x;
+        smallest = largest = radius;
+      }
+      bool near = true;
+      for (int d = 0; d < D; ++d) {
+        lower[d] = std::min(lower[d], next.x[d]);
+        upper[d] = std::max(upper[d], next.x[d]);
+        near = near && static_cast<double>(upper[d]) - static_cast<double>(lower[d]) <= extent;
+      }
+      smallest = std::min(smallest, radius);
+      largest = std::max(largest, radius);
+      if (!near || largest > 2 * smallest) return s;
+      group.push_back(next);
+      fetch(s);
+    }
+    return end;
+  }
+
+  // What will be read of targets to come, and written for the target at a place: in the caller's
+  // order both may be anywhere.
+  void fetch(std::size_t s) const {
+    constexpr std::size_t ahead = 16;
+    if (order_.empty()) return;
+    if (s + ahead < count())
+      __builtin_prefetch(shared_.targets.data() + std::size_t{order_[s + ahead]} * D);
+    const std::size_t t = order_[s];
+    __builtin_prefetch(&list_.support[t], 1);
+    __builtin_prefetch(&list_.offsets[t + 1], 1);
+    constexpr std::size_t line = 64 / sizeof(ParticleIndex), most = 8 * line;
+    for (std::size_t i = 0; i < std::min(row_length_, most); i += line)
+      __builtin_prefetch(list_.indices.data() + t * row_length_ + i, 1);
   }
 
   void find_rows_of_known_length() {
@@ -84,43 +143,35 @@ class AllTargets {
     for (std::size_t t = 0; t < count(); ++t)
       list_.offsets[t + 1] = static_cast<std::int64_t>((t + 1) * k);
     resize(count() * k);
-    for_blocks(shared_.options.progress, [&](std::size_t begin, std::size_t end) {
-      const auto buffers = memory_.buffers.lend();
-      Targets found(shared_, *buffers);
-      for (std::size_t s = begin; s < end; ++s) {
-        const std::size_t t = target(s);
-        list_.support[t] = found.find(t, shared_.targets.template point<D>(t));
-        write(found.begin(), k, t * k);
-      }
-    });
+    row_length_ = k;
+    find_all(
+        [&](std::size_t, const Targets& found, std::size_t t) { write(found.begin(), k, t * k); });
   }
 
   void find_rows_of_any_length() {
     const auto blocks = memory_.blocks.lend();
     blocks->resize(std::max(blocks->size(), (count() + targets_per_block - 1) / targets_per_block));
-    for_blocks(shared_.options.progress, [&](std::size_t begin, std::size_t end) {
-      const auto buffers = memory_.buffers.lend();
-      Targets found(shared_, *buffers);
-      std::vector<Key>& block = (*blocks)[begin / targets_per_block];
-      block.clear();
-      for (std::size_t s = begin; s < end; ++s) {
-        const std::size_t t = target(s);
-        list_.support[t] = found.find(t, shared_.targets.template point<D>(t));
-        list_.offsets[t + 1] = static_cast<std::int64_t>(found.size());
-        block.insert(block.end(), found.begin(), found.end());
-      }
+    for (FoundRows<Key>& block : *blocks) {
+      block.keys.clear();
+      block.targets.clear();
+    }
+    find_all([&](std::size_t block, const Targets& found, std::size_t t) {
+      list_.offsets[t + 1] = static_cast<std::int64_t>(found.size());
+      FoundRows<Key>& rows = (*blocks)[block];
+      rows.keys.insert(rows.keys.end(), found.begin(), found.end());
+      rows.targets.push_back(static_cast<std::uint32_t>(t));
     });
     for (std::size_t t = 0; t < count(); ++t) list_.offsets[t + 1] += list_.offsets[t];
     resize(static_cast<std::size_t>(list_.offsets.back()));
-    for_blocks({}, [&](std::size_t begin, std::size_t end) {
-      const Key* from = (*blocks)[begin / targets_per_block].data();
-      for (std::size_t s = begin; s < end; ++s) {
-        const std::size_t t = target(s);
-        const auto size = static_cast<std::size_t>(list_.count(t));
-        write(from, size, static_cast<std::size_t>(list_.offsets[t]));
-        from += size;
-      }
-    });
+    recon::parallel_blocks(blocks->size(), 1, shared_.options.threads,
+                           [&](std::size_t block, std::size_t) {
+                             const Key* from = (*blocks)[block].keys.data();
+                             for (const std::uint32_t t : (*blocks)[block].targets) {
+                               const auto size = static_cast<std::size_t>(list_.count(t));
+                               write(from, size, static_cast<std::size_t>(list_.offsets[t]));
+                               from += size;
+                             }
+                           });
   }
 
   void resize(std::size_t entries) {
@@ -138,6 +189,7 @@ class AllTargets {
   CellSearchMemory<S, D, Key>& memory_;
   CountingSort sort_;
   std::span<const std::uint32_t> order_;  // empty: as they are
+  std::size_t row_length_ = 0;            // 0: not known
   NeighbourList<S>& list_;
 };
 

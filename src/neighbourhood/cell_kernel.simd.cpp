@@ -1,6 +1,5 @@
 #include "neighbourhood/cell_kernel.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include "core/instantiate.hpp"
@@ -14,86 +13,189 @@ namespace recon::detail::RECON_SET {
 
 namespace {
 
-// Appends the lanes of one vector of candidates that are `near`, of which there are `left`.
+namespace stdx = std::experimental;
+using Floats = Pack<float>;
+constexpr std::int64_t lanes = LaneTraits<Floats>::lanes;
+
+// Of the particles first .. first + left - 1, as many as `lanes`, those in the box.
 #ifdef __AVX512VL__
-inline void append(Gathered<double>& out, __m512d distance2, __mmask8 near,
-                   const std::uint32_t* index) {
-  _mm512_storeu_pd(out.distance2 + out.count, _mm512_maskz_compress_pd(near, distance2));
-  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(index));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out.index + out.count),
-                      _mm256_maskz_compress_epi32(near, all));
-  out.count += __builtin_popcount(near);
+inline __m512 about(const std::int32_t* x, std::int32_t centre) {
+  return _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(x), _mm512_set1_epi32(centre)));
 }
-inline void append(Gathered<float>& out, __m512 distance2, __mmask16 near,
-                   const std::uint32_t* index) {
-  _mm512_storeu_ps(out.distance2 + out.count, _mm512_maskz_compress_ps(near, distance2));
-  _mm512_storeu_si512(out.index + out.count,
-                      _mm512_maskz_compress_epi32(near, _mm512_loadu_si512(index)));
+inline __m512 about(const float* x, float) {
+  return _mm512_loadu_ps(x);
+}
+
+inline __mmask16 first_lanes(std::int64_t count) {
+  const std::int64_t there = count < 0 ? 0 : count < lanes ? count : lanes;
+  return static_cast<__mmask16>((1u << there) - 1);
+}
+
+inline __m512i numbers_from(std::int64_t first) {
+  return _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
+                          _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+}
+
+template <int D>
+struct InBox {
+  __m512 x[D];
+  __mmask16 inside;
+};
+
+template <class S, int D>
+inline InBox<D> look_at(const CellView<S>& cells, const CellBox<S>& box, std::int64_t first,
+                        std::int64_t left) {
+  InBox<D> seen;
+  seen.inside = first_lanes(left);
+  for (int d = 0; d < D; ++d) {
+    seen.x[d] = about(cells.x[d] + first, box.centre[d]);
+    seen.inside =
+        _mm512_mask_cmp_ps_mask(seen.inside, seen.x[d], _mm512_set1_ps(box.lower[d]), _CMP_GE_OQ);
+    seen.inside =
+        _mm512_mask_cmp_ps_mask(seen.inside, seen.x[d], _mm512_set1_ps(box.upper[d]), _CMP_LE_OQ);
+  }
+  return seen;
+}
+
+template <int D>
+inline void add(const InBox<D>& seen, std::int64_t first, CandidateArrays& out) {
+  for (int d = 0; d < D; ++d)
+    _mm512_storeu_ps(out.x[d] + out.count, _mm512_maskz_compress_ps(seen.inside, seen.x[d]));
+  _mm512_storeu_si512(out.place + out.count,
+                      _mm512_maskz_compress_epi32(seen.inside, numbers_from(first)));
+  out.count += __builtin_popcount(seen.inside);
+}
+
+// Those of the candidates first, first + 1, ... of which the measure is at most the limit.
+inline void take(const Floats& measure, float limit, std::int64_t first, std::int64_t left,
+                 NearArrays& out) {
+  const auto value = static_cast<__m512>(measure);
+  const __mmask16 near =
+      _mm512_mask_cmp_ps_mask(first_lanes(left), value, _mm512_set1_ps(limit), _CMP_LE_OQ);
+  _mm512_storeu_ps(out.measure + out.count, _mm512_maskz_compress_ps(near, value));
+  _mm512_storeu_si512(out.candidate + out.count,
+                      _mm512_maskz_compress_epi32(near, numbers_from(first)));
   out.count += __builtin_popcount(near);
 }
 
-inline __mmask8 at_most(__m512d a, double b) {
-  return _mm512_cmp_pd_mask(a, _mm512_set1_pd(b), _CMP_LE_OQ);
-}
-inline __mmask16 at_most(__m512 a, float b) {
-  return _mm512_cmp_ps_mask(a, _mm512_set1_ps(b), _CMP_LE_OQ);
-}
-inline __m512d native(Pack<double> a) {
-  return static_cast<__m512d>(a);
-}
-inline __m512 native(Pack<float> a) {
-  return static_cast<__m512>(a);
+inline void put(const NearArrays& from, std::int64_t i, __mmask16 kept, NearArrays& out) {
+  _mm512_storeu_ps(out.measure + out.count,
+                   _mm512_maskz_compress_ps(kept, _mm512_loadu_ps(from.measure + i)));
+  _mm512_storeu_si512(out.candidate + out.count,
+                      _mm512_maskz_compress_epi32(kept, _mm512_loadu_si512(from.candidate + i)));
+  out.count += __builtin_popcount(kept);
 }
 
-// `measure` is compared with the limit.
-template <class S>
-inline void take(Gathered<S>& out, const Pack<S>& distance2, const Pack<S>& measure, S limit,
-                 std::int64_t left, const std::uint32_t* index) {
-  constexpr int lanes = LaneTraits<Pack<S>>::lanes;
-  const unsigned there = left >= lanes ? ~0u : (1u << left) - 1;
-  const auto near = at_most(native(measure), limit);
-  append(out, native(distance2), static_cast<decltype(near)>(near & there), index);
+// Those that measure at most the limit, and the others.
+inline void part(const NearArrays& near, float limit, NearArrays& low, NearArrays& high) {
+  for (std::int64_t i = 0; i < near.count; i += lanes) {
+    const __mmask16 there = first_lanes(near.count - i);
+    const __mmask16 below = _mm512_mask_cmp_ps_mask(there, _mm512_loadu_ps(near.measure + i),
+                                                    _mm512_set1_ps(limit), _CMP_LE_OQ);
+    put(near, i, below, low);
+    put(near, i, static_cast<__mmask16>(there & ~below), high);
+  }
+}
+
+// Adds those of which the rank is smaller than `end` to `chosen`, and their ranks and `more` to
+// all_ranks[chosen.count], which may lie before `rank`, but not behind.
+inline Smallest add_ranked(const NearArrays& near, const float* rank, float end, float more,
+                           float* all_ranks, NearArrays& chosen) {
+  __m512 largest = _mm512_setzero_ps(),
+         next = _mm512_set1_ps(std::numeric_limits<float>::infinity());
+  for (std::int64_t i = 0; i < near.count; i += lanes) {
+    const __mmask16 there = first_lanes(near.count - i);
+    const __m512 ranked = _mm512_loadu_ps(rank + i), measure = _mm512_loadu_ps(near.measure + i);
+    const __mmask16 kept = _mm512_mask_cmp_ps_mask(there, ranked, _mm512_set1_ps(end), _CMP_LT_OQ);
+    largest = _mm512_mask_max_ps(largest, kept, largest, measure);
+    next = _mm512_mask_min_ps(next, static_cast<__mmask16>(there & ~kept), next, measure);
+    _mm512_storeu_ps(all_ranks + chosen.count,
+                     _mm512_maskz_compress_ps(kept, _mm512_add_ps(ranked, _mm512_set1_ps(more))));
+    put(near, i, kept, chosen);
+  }
+  return {chosen.count, _mm512_reduce_max_ps(largest), _mm512_reduce_min_ps(next)};
 }
 #else
-template <class S>
-inline void take(Gathered<S>& out, const Pack<S>& distance2, const Pack<S>& measure, S limit,
-                 std::int64_t left, const std::uint32_t* index) {
-  constexpr int lanes = LaneTraits<Pack<S>>::lanes;
-  const int there = left < lanes ? static_cast<int>(left) : lanes;
-  S measures[lanes], distances[lanes];
-  measure.copy_to(measures, std::experimental::element_aligned);
-  distance2.copy_to(distances, std::experimental::element_aligned);
-  for (int l = 0; l < lanes; ++l) {  // always written, counted if near
-    out.distance2[out.count] = distances[l];
-    out.index[out.count] = index[l];
-    out.count += static_cast<int>(measures[l] <= limit) & static_cast<int>(l < there);
+template <int D>
+struct InBox {
+  float x[D][lanes];
+  bool inside[lanes];
+};
+
+template <class S, int D>
+inline InBox<D> look_at(const CellView<S>& cells, const CellBox<S>& box, std::int64_t first,
+                        std::int64_t left) {
+  InBox<D> seen;
+  for (int l = 0; l < lanes; ++l) seen.inside[l] = l < left;
+  for (int d = 0; d < D; ++d)
+    for (int l = 0; l < lanes; ++l) {
+      const auto x = static_cast<float>(cells.x[d][first + l] - box.centre[d]);
+      seen.inside[l] &= (x >= box.lower[d]) & (x <= box.upper[d]);
+      seen.x[d][l] = x;
+    }
+  return seen;
+}
+
+template <int D>
+inline void add(const InBox<D>& seen, std::int64_t first, CandidateArrays& out) {
+  for (int l = 0; l < lanes; ++l) {  // always written, counted if inside
+    for (int d = 0; d < D; ++d) out.x[d][out.count] = seen.x[d][l];
+    out.place[out.count] = static_cast<std::uint32_t>(first + l);
+    out.count += seen.inside[l];
   }
+}
+
+inline void take(const Floats& measure, float limit, std::int64_t first, std::int64_t left,
+                 NearArrays& out) {
+  if (stdx::none_of(measure <= Floats(limit))) return;
+  float measures[lanes];
+  measure.copy_to(measures, stdx::element_aligned);
+  const std::int64_t there = left < lanes ? left : lanes;
+  for (std::int64_t l = 0; l < there; ++l) {
+    out.measure[out.count] = measures[l];
+    out.candidate[out.count] = static_cast<std::uint32_t>(first + l);
+    out.count += measures[l] <= limit;
+  }
+}
+
+inline void part(const NearArrays& near, float limit, NearArrays& low, NearArrays& high) {
+  for (std::int64_t i = 0; i < near.count; ++i) {
+    const bool below = near.measure[i] <= limit;
+    low.measure[low.count] = high.measure[high.count] = near.measure[i];
+    low.candidate[low.count] = high.candidate[high.count] = near.candidate[i];
+    low.count += below;
+    high.count += !below;
+  }
+}
+
+inline Smallest add_ranked(const NearArrays& near, const float* rank, float end, float more,
+                           float* all_ranks, NearArrays& chosen) {
+  Smallest result{0, 0, std::numeric_limits<float>::infinity()};
+  for (std::int64_t i = 0; i < near.count; ++i) {
+    const float measure = near.measure[i];
+    const bool kept = rank[i] < end;
+    result.largest = kept && measure > result.largest ? measure : result.largest;
+    result.next = !kept && measure < result.next ? measure : result.next;
+    chosen.measure[chosen.count] = measure;
+    chosen.candidate[chosen.count] = near.candidate[i];
+    all_ranks[chosen.count] = rank[i] + more;
+    chosen.count += kept;
+  }
+  result.count = chosen.count;
+  return result;
 }
 #endif
 
-// Of the particles first..first + left - 1, as many as fit a vector, those that are near enough.
-template <class S, int D, bool cube>
-inline void gather_vector(const CellView<S>& cells, const S* x, S limit, std::int64_t first,
-                          std::int64_t left, Gathered<S>& out) {
-  using P = Pack<S>;
-  P sum(S(0)), farthest(S(0));
-  for (int d = 0; d < D; ++d) {
-    const P gap = P(x[d]) - P(cells.x[d] + first, std::experimental::element_aligned);
-    if (cube) {
-      const P size = select(gap > P(S(0)), gap, -gap);
-      farthest = select(size > farthest, size, farthest);
-    }
-    sum = d == 0 ? gap * gap : sum + gap * gap;
-  }
-  take(out, sum, cube ? farthest : sum, limit, left, cells.index + first);
-}
+// Where the next ones are written depends on how many there were before. Several vectors are looked
+// at before any is written, so that the processor need not wait for that with the next ones.
+constexpr int together = 4;
 
 // Vectors of particles still to be looked at. They are listed first and looked at together, because
 // how many there are in a row cannot be predicted: the processor would guess wrong in every row.
 struct Vectors {
   static constexpr int most = 96;
   int count = 0;
-  std::int64_t first[most], left[most];
+  std::int64_t first[most + together], left[most + together];
 
   // If the condition holds; without a branch.
   void add_if(bool condition, std::int64_t at, std::int64_t particles) {
@@ -103,91 +205,58 @@ struct Vectors {
   }
 };
 
-template <class S, int D, bool cube>
-inline void gather_listed(const CellView<S>& cells, const S* x, S limit, Vectors& listed,
-                          Gathered<S>& out) {
-  for (int v = 0; v < listed.count; ++v)
-    gather_vector<S, D, cube>(cells, x, limit, listed.first[v], listed.left[v], out);
+template <class S, int D>
+inline void collect_listed(const CellView<S>& cells, const CellBox<S>& box, Vectors& listed,
+                           CandidateArrays& out) {
+  CandidateArrays found = out;  // in registers
+  for (int v = 0; v < together; ++v)
+    listed.first[listed.count + v] = listed.left[listed.count + v] = 0;
+  for (int v = 0; v < listed.count; v += together) {
+    InBox<D> seen[together];
+    for (int i = 0; i < together; ++i)
+      seen[i] = look_at<S, D>(cells, box, listed.first[v + i], listed.left[v + i]);
+    for (int i = 0; i < together; ++i) add<D>(seen[i], listed.first[v + i], found);
+  }
+  out.count = found.count;
   listed.count = 0;
 }
 
-// How far x is at least from particles in cell `at` of axis d.
-template <class S>
-inline double gap_to_cell(const CellView<S>& cells, int d, double x, std::int64_t at,
-                          double slack) {
-  const double low = cells.lower[d] + static_cast<double>(at) * cells.size;
-  const double below = low - x, above = x - (low + cells.size);
-  const double gap = (below > above ? below : above) - slack;
-  return gap > 0 ? gap : 0;
-}
-
-template <class S, int D, bool cube>
-inline GatherResult gather(const CellView<S>& cells, const S* x, S radius, Gathered<S>& out) {
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  constexpr auto eps_s = static_cast<double>(std::numeric_limits<S>::epsilon());
-  constexpr auto least = static_cast<double>(std::numeric_limits<S>::min());
-  // Nothing near enough is farther than this, in spite of rounding and of squares that underflow.
-  const S limit = cube ? radius : radius * radius;
-  const auto wide = static_cast<double>(limit);
-  const double reach2 = (cube ? D * wide * wide : wide) * (1 + 32 * eps_s) + (cube ? 0 : 8 * least);
-  const double reach =
-      cube ? wide * (1 + 32 * eps_s) + std::numeric_limits<double>::min() : std::sqrt(reach2);
-
-  double at[3] = {0, 0, 0}, slack[3] = {0, 0, 0};  // slack: what the borders of cells are off
-  std::int64_t from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+template <int D, bool cube>
+inline void near_points(const CandidateArrays& from, std::int64_t begin, std::int64_t end,
+                        const float* x, float limit, NearArrays& out) {
+  NearArrays found = out;  // in registers, as the others
+  const float* candidates[D];
+  Floats at[D];
   for (int d = 0; d < D; ++d) {
-    at[d] = static_cast<double>(x[d]);
-    slack[d] =
-        16 * eps * (std::fabs(cells.lower[d]) + std::fabs(cells.upper[d]) + std::fabs(at[d]));
-    if (d == 0) continue;
-    const double half = reach * (1 + 4 * eps) + slack[d];
-    from[d] = cell_on_axis(at[d] - half, cells.lower[d], cells.inverse, cells.counts[d]);
-    to[d] = cell_on_axis(at[d] + half, cells.lower[d], cells.inverse, cells.counts[d]);
+    candidates[d] = from.x[d];
+    at[d] = Floats(x[d]);
   }
-  constexpr std::int64_t lanes = LaneTraits<Pack<S>>::lanes;
-  const std::int64_t start = out.count;
-  Vectors listed;
-  std::int64_t particles = 0;  // in the stretches so far: at most so many are found
-  for (std::int64_t k = from[2]; k <= to[2]; ++k) {
-    const double gap_z = D > 2 ? gap_to_cell(cells, 2, at[2], k, slack[2]) : 0;
-    const double left_z = reach2 - gap_z * gap_z;
-    for (std::int64_t j = from[1]; j <= to[1]; ++j) {
-      const double gap_y = D > 1 ? gap_to_cell(cells, 1, at[1], j, slack[1]) : 0;
-      const double left = left_z - gap_y * gap_y;
-      const double chord = cube ? reach : std::sqrt(left > 0 ? left : 0);
-      const double half = chord * (1 + 4 * eps) + slack[0];
-      const std::int64_t row = row_of_cells(cells.counts, j, k);
-      const std::int64_t a =
-          cell_on_axis(at[0] - half, cells.lower[0], cells.inverse, cells.counts[0]);
-      const std::int64_t b =
-          cell_on_axis(at[0] + half, cells.lower[0], cells.inverse, cells.counts[0]);
-      const std::int64_t first = cells.first[row + a];
-      const std::int64_t all = cells.first[row + b + 1] - first;
-      const std::int64_t length = cube || left >= 0 ? all : 0;
-      particles += length;
-      out.work += work_of_a_row + length;
-      if (out.work + out.work_per_found * out.count > out.work_limit)
-        return GatherResult::too_much_work;
-      if (start + particles + 16 > out.capacity) return GatherResult::no_room;
-      listed.add_if(length > 0, first, length);
-      listed.add_if(length > lanes, first + lanes, length - lanes);
-      for (std::int64_t done = 2 * lanes; done < length; done += lanes)
-        gather_vector<S, D, cube>(cells, x, limit, first + done, length - done, out);
-      if (listed.count > Vectors::most - 3) gather_listed<S, D, cube>(cells, x, limit, listed, out);
-    }
+  for (std::int64_t c = begin; c < end; c += together * lanes) {
+    Floats measure[together];
+    for (int i = 0; i < together; ++i)
+      for (int d = 0; d < D; ++d) {
+        const Floats gap = at[d] - Floats(candidates[d] + c + i * lanes, stdx::element_aligned);
+        if (cube) {
+          const Floats size = select(gap > Floats(0.0f), gap, -gap);
+          measure[i] = d == 0 ? size : select(size > measure[i], size, measure[i]);
+        } else {
+          measure[i] = d == 0 ? gap * gap : measure[i] + gap * gap;
+        }
+      }
+    for (int i = 0; i < together; ++i)
+      take(measure[i], limit, c + i * lanes, end - c - i * lanes, found);
   }
-  gather_listed<S, D, cube>(cells, x, limit, listed, out);
-  return GatherResult::complete;
+  out.count = found.count;
 }
 
 // Of `vectors` vectors of values from `begin` on.
 template <class T, int vectors>
 inline void rank_some(const T* values, std::int64_t count, std::int64_t begin, T* rank) {
   using P = Pack<T>;
-  constexpr int lanes = LaneTraits<P>::lanes;
+  constexpr int width = LaneTraits<P>::lanes;
   P own[vectors], smaller_ones[vectors];
   for (int v = 0; v < vectors; ++v) {
-    own[v].copy_from(values + begin + v * lanes, std::experimental::element_aligned);
+    own[v].copy_from(values + begin + v * width, stdx::element_aligned);
     smaller_ones[v] = P(T(0));
   }
   for (std::int64_t j = 0; j < count; ++j) {
@@ -195,37 +264,129 @@ inline void rank_some(const T* values, std::int64_t count, std::int64_t begin, T
     for (int v = 0; v < vectors; ++v) smaller_ones[v] += select(other < own[v], P(T(1)), P(T(0)));
   }
   for (int v = 0; v < vectors; ++v)
-    smaller_ones[v].copy_to(rank + begin + v * lanes, std::experimental::element_aligned);
+    smaller_ones[v].copy_to(rank + begin + v * width, stdx::element_aligned);
 }
 
 }  // namespace
 
 template <class S, int D>
-GatherResult gather_ball(const CellView<S>& cells, const S* x, S radius, Gathered<S>& out) {
-  return gather<S, D, false>(cells, x, radius, out);
+CollectResult collect(const CellView<S>& cells, const CellBox<S>& box, CandidateArrays& out) {
+  const std::int64_t start = out.count;
+  std::int64_t particles = 0;  // in the stretches so far: at most so many are in the box
+  Vectors listed;
+  for (std::int64_t low = box.from[1]; low <= box.to[1];) {
+    const std::int64_t border = (low / rows_of_a_band + 1) * rows_of_a_band;
+    const std::int64_t high = border < box.to[1] + 1 ? border : box.to[1] + 1;
+    for (std::int64_t k = box.from[2]; k <= box.to[2]; ++k)
+      for (std::int64_t j = low; j < high; ++j) {
+        const std::int64_t row = row_of_cells(cells.counts, j, k);
+        const std::int64_t first = cells.first[row + box.from[0]];
+        const std::int64_t length = cells.first[row + box.to[0] + 1] - first;
+        particles += length;
+        out.work += work_of_a_row + length;
+        if (out.work > out.work_limit) return CollectResult::too_much_work;
+        if (start + particles > out.capacity) return CollectResult::no_room;
+        listed.add_if(length > 0, first, length);
+        listed.add_if(length > lanes, first + lanes, length - lanes);
+        for (std::int64_t done = 2 * lanes; done < length; done += lanes) {
+          if (listed.count > Vectors::most - 3) collect_listed<S, D>(cells, box, listed, out);
+          listed.add_if(true, first + done, length - done);
+        }
+        if (listed.count > Vectors::most - 3) collect_listed<S, D>(cells, box, listed, out);
+      }
+    low = high;
+  }
+  collect_listed<S, D>(cells, box, listed, out);
+  return CollectResult::complete;
 }
 
-template <class S, int D>
-GatherResult gather_cube(const CellView<S>& cells, const S* x, S radius, Gathered<S>& out) {
-  return gather<S, D, true>(cells, x, radius, out);
+template <int D>
+void near_ball(const CandidateArrays& from, std::int64_t begin, std::int64_t end, const float* x,
+               float limit, NearArrays& out) {
+  near_points<D, false>(from, begin, end, x, limit, out);
+}
+
+template <int D>
+void near_cube(const CandidateArrays& from, std::int64_t begin, std::int64_t end, const float* x,
+               float limit, NearArrays& out) {
+  near_points<D, true>(from, begin, end, x, limit, out);
 }
 
 template <class T>
 void ranks(T* values, std::int64_t count, T* rank) {
-  constexpr int lanes = LaneTraits<Pack<T>>::lanes;
-  for (int l = 0; l < 4 * lanes; ++l) values[count + l] = T(0);  // ranked, and not looked at
+  constexpr int width = LaneTraits<Pack<T>>::lanes;
+  for (int l = 0; l < 4 * width; ++l) values[count + l] = T(0);  // ranked, and not looked at
   std::int64_t begin = 0;
-  for (; count - begin > 2 * lanes; begin += 4 * lanes) rank_some<T, 4>(values, count, begin, rank);
-  if (count - begin > lanes)
+  for (; count - begin > 2 * width; begin += 4 * width) rank_some<T, 4>(values, count, begin, rank);
+  if (count - begin > width)
     rank_some<T, 2>(values, count, begin, rank);
   else if (count > begin)
     rank_some<T, 1>(values, count, begin, rank);
 }
 
-#define RECON_INSTANTIATE(S, D)                                                           \
-  template GatherResult gather_ball<S, D>(const CellView<S>&, const S*, S, Gathered<S>&); \
-  template GatherResult gather_cube<S, D>(const CellView<S>&, const S*, S, Gathered<S>&)
+namespace {
+
+// All ranked, in order.
+Smallest rank_all(const NearArrays& near, std::int64_t k, float* rank, NearArrays& chosen) {
+  ranks(near.measure, near.count, rank);
+  chosen.count = 0;
+  return add_ranked(near, rank, static_cast<float>(k), 0, rank, chosen);
+}
+
+}  // namespace
+
+Smallest rank_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest,
+                       float* rank, NearArrays& chosen) {
+  if (near.count <= lanes) return rank_all(near, k, rank, chosen);
+  chosen.count = rest.count = 0;
+  part(near, probably, chosen, rest);
+  if (chosen.count >= k) return rank_all(near, k, rank, chosen);
+  const std::int64_t low = chosen.count;
+  ranks(chosen.measure, low, rank);
+  ranks(rest.measure, rest.count, rank + low);
+  return add_ranked(rest, rank + low, static_cast<float>(k - low), static_cast<float>(low), rank,
+                    chosen);
+}
+
+Smallest select_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest,
+                         float* rank, NearArrays& chosen) {
+  if (near.count <= lanes) return rank_all(near, k, rank, chosen);
+  chosen.count = rest.count = 0;
+  part(near, probably, chosen, rest);
+  if (chosen.count >= k) return rank_all(near, k, rank, chosen);
+  const std::int64_t low = chosen.count;
+  ranks(rest.measure, rest.count, rank);
+  chosen.count = 0;
+  Smallest result = add_ranked(rest, rank, static_cast<float>(k - low), 0, rank, chosen);
+  chosen.count = rest.count = 0;
+  part(near, result.largest, chosen, rest);  // in order
+  result.count = chosen.count;
+  return result;
+}
+
+std::int64_t count_at_most(const float* values, std::int64_t count, float limit) {
+  std::int64_t all = 0;
+  for (std::int64_t i = 0; i < count; i += lanes) {
+    const int there = static_cast<int>(count - i < lanes ? count - i : lanes);
+    int here = 0;
+    for (int l = 0; l < there; ++l) here += values[i + l] <= limit;
+    all += here;
+  }
+  return all;
+}
+
+#define RECON_INSTANTIATE(S, D) \
+  template CollectResult collect<S, D>(const CellView<S>&, const CellBox<S>&, CandidateArrays&)
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
+#undef RECON_INSTANTIATE
+#define RECON_INSTANTIATE(D)                                                                   \
+  template void near_ball<D>(const CandidateArrays&, std::int64_t, std::int64_t, const float*, \
+                             float, NearArrays&);                                              \
+  template void near_cube<D>(const CandidateArrays&, std::int64_t, std::int64_t, const float*, \
+                             float, NearArrays&)
+RECON_INSTANTIATE(1);
+RECON_INSTANTIATE(2);
+RECON_INSTANTIATE(3);
 #undef RECON_INSTANTIATE
 template void ranks<float>(float*, std::int64_t, float*);
 template void ranks<double>(double*, std::int64_t, double*);

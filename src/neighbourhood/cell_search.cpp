@@ -13,26 +13,27 @@ bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options
 template <int D, class Scalar>
 bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& targets,
                    const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
-                   const NeighbourOptions& options, bool may_build_tree, bool in_order,
+                   const NeighbourOptions& options, bool may_build_tree, const RowsAsked& rows,
                    NeighbourList<Scalar>& list) {
   require_valid_question(particles.cloud(), targets, rule, domain);
-  SharedByTargets<Scalar, D> shared(particles, targets, rule, domain, options, may_build_tree);
+  SharedByTargets<Scalar, D> shared(particles, targets, rule, domain, options, rows.by_index,
+                                    may_build_tree);
   const double too_many = 1000 + 10 * static_cast<double>(shared.question.k);
   if (may_build_tree && shared.question.nearest &&
       shared.grid->sorted_cells().mean_company() > too_many)
     return false;
   if (domain.any())
-    AllTargets<Scalar, D, true>(shared, in_order, list).find();
+    AllTargets<Scalar, D, true>(shared, rows.in_order, list).find();
   else
-    AllTargets<Scalar, D, false>(shared, in_order, list).find();
+    AllTargets<Scalar, D, false>(shared, rows.in_order, list).find();
   list.support_factor = support_factor<Scalar>(rule);
   return true;
 }
 
-#define RECON_INSTANTIATE(S, D)                                                     \
-  template bool find_by_cells<D, S>(SearchIndex<S, D>&, const PointCloud<S>&,       \
-                                    const NeighbourRule&, const PeriodicDomain<S>&, \
-                                    const NeighbourOptions&, bool, bool, NeighbourList<S>&)
+#define RECON_INSTANTIATE(S, D)                                                                 \
+  template bool find_by_cells<D, S>(                                                            \
+      SearchIndex<S, D>&, const PointCloud<S>&, const NeighbourRule&, const PeriodicDomain<S>&, \
+      const NeighbourOptions&, bool, const RowsAsked&, NeighbourList<S>&)
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE
 

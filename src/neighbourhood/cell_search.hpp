@@ -1,11 +1,12 @@
 // The neighbours of all targets at once, by cells: find_neighbours for evenly spread particles.
 //
-// Particles and targets are sorted by cell, so that targets treated one after another look at the
-// same few kilobytes of particles. Of the cells that a ball (or cube) overlaps, vector instructions
-// pick the particles inside (cell_kernel.hpp). For the k nearest the ball is a guess from the k-th
-// distance of the targets before, a little larger; where it holds fewer than k it grows. What is
-// inside is put in order by counting for each how many come before it. A guess can only cost time:
-// the result is that of find_neighbours.hpp to the bit.
+// Particles are sorted by cell and targets by bricks of a few cells. The particles around the
+// targets of a brick are collected once for all of them, as floats about the middle of the brick;
+// for each target vector instructions then pick those inside the ball or cube (cell_kernel.hpp).
+// What floats cannot tell the coordinates decide (brick.hpp). For the k nearest the ball is a guess
+// from the k-th distance of the targets before, a little larger; where it holds fewer than k it
+// grows. A guess can only cost time: the result is that of find_neighbours.hpp to the bit, but for
+// the order in rows where that of the particles' numbers will do.
 //
 // Covered: Radius, Radii and Nearest with both shapes, NearestWithin with the ball, in periodic
 // domains too. Not covered, and left to find_neighbours_with.hpp: visibility, NearestWithin with
@@ -28,13 +29,12 @@ namespace recon::detail {
 // Is this a question that find_by_cells answers? (There must be a particle, too.)
 bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options);
 
-// Into `list`, whose memory is used again. With `in_order` the targets follow each other in space
-// as they are (sort_by_bricks in all_targets.hpp). False, and the list unchanged, where the cloud
-// is refused.
+// Into `list`, whose memory is used again. False, and the list unchanged, where the cloud is
+// refused.
 template <int D, class Scalar>
 bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& targets,
                    const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
-                   const NeighbourOptions& options, bool may_build_tree, bool in_order,
+                   const NeighbourOptions& options, bool may_build_tree, const RowsAsked& rows,
                    NeighbourList<Scalar>& list);
 
 }  // namespace recon::detail

@@ -1,10 +1,10 @@
 // Particles sorted into a regular grid of cells: what CellGrid and the batch search both stand on.
 //
-// Coordinates lie in one array per axis, those of a cell side by side and by ascending index. The
-// cells of a row (along x) follow one another in memory, so a stretch of a row is one stretch of
-// particles. Rows come in bands: row(j, k) runs through `band` rows in y for every k before it goes
-// on to the next band. So a sweep through the cells of a large grid touches a few planes of a band
-// at a time, which stay in the cache. Building costs O(n + cells), in parallel.
+// The particles of a cell lie side by side, by ascending index. The cells of a row (along x) follow
+// one another in memory, so a stretch of a row is one stretch of particles. Rows come in bands:
+// row(j, k) runs through `band` rows in y for every k before it goes on to the next band. So a sweep
+// through the cells of a large grid touches a few planes of a band at a time, which stay in the
+// cache. Building costs O(n + cells), in parallel.
 #pragma once
 
 #include <algorithm>
@@ -65,17 +65,15 @@ class Cells {
         key[i] = static_cast<std::uint32_t>(cell_of(cloud.template point<D>(i)));
     });
     sort_.sort(cells(), threads);
+    points_.assign_permuted(cloud, sort_.order(), threads);
     for (auto& axis : x_) axis.resize(n + padding);
-    index_.resize(n + padding);
     recon::parallel_blocks(n, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) {
-        index_[p] = sort_.order()[p];
-        for (int d = 0; d < D; ++d) x_[d][p] = cloud(index_[p], d);
-      }
+      for (std::size_t p = begin; p < end; ++p)
+        for (int d = 0; d < D; ++d) x_[d][p] = coarse(points_(p, d), d);
     });
-    std::fill_n(index_.begin() + static_cast<std::ptrdiff_t>(n), padding, ParticleIndex{0});
-    for (auto& axis : x_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(n), padding, S(0));
-    particles_ = n;
+    for (auto& axis : x_)
+      std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(n), padding, Coarse<S>(0));
+    index_ = sort_.order();
     double squares = 0;
     for (std::size_t c = 0; c < cells(); ++c) {
       const double here = static_cast<double>(sort_.first()[c + 1] - sort_.first()[c]);
@@ -83,19 +81,19 @@ class Cells {
     }
     mean_company_ = n == 0 ? 0 : squares / static_cast<double>(n);
     for (int d = 0; d < D; ++d) view_.x[d] = x_[d].data();
-    view_.index = index_.data();
     view_.first = sort_.first().data();
   }
 
   // From now on particles are numbered by their places; those in order() keep the numbers that they
   // had.
-  void number_by_place() {
-    for (std::size_t p = 0; p < particles_; ++p) index_[p] = static_cast<ParticleIndex>(p);
-  }
+  void number_by_place() { index_ = {}; }
+  bool numbered_by_place() const { return index_.empty(); }
   // The number in the cloud of the particle at each place.
   std::span<const std::uint32_t> order() const { return sort_.order(); }
 
-  std::size_t particles() const { return particles_; }
+  std::size_t particles() const { return points_.size(); }
+  // The particles by place.
+  const PointCloud<S>& points() const { return points_; }
   double size() const { return size_; }  // edge of a cell
   double lower(int d) const { return view_.lower[d]; }
   double upper(int d) const { return view_.upper[d]; }
@@ -105,12 +103,16 @@ class Cells {
            static_cast<std::size_t>(count(2));
   }
   const CellView<S>& view() const { return view_; }
-  Point point(std::size_t place) const {
-    Point x;
-    for (int d = 0; d < D; ++d) x[d] = x_[d][place];
-    return x;
+  Point point(std::size_t place) const { return points_.template point<D>(place); }
+  ParticleIndex index(std::size_t place) const {
+    return index_.empty() ? static_cast<ParticleIndex>(place) : index_[place];
   }
-  ParticleIndex index(std::size_t place) const { return index_[place]; }
+
+  // A coordinate along an axis, anywhere, on the scale of Coarse<S>.
+  double on_coarse_scale(S x, int d) const {
+    if constexpr (std::is_same_v<S, float>) return static_cast<double>(x);
+    return (x - view_.lower[d]) * view_.units;
+  }
 
   // The cell of a coordinate along an axis; those outside count to the border cells. Never
   // decreases with x, in spite of rounding: so p in [a, b] lies in a cell from cell(a) to cell(b).
@@ -131,6 +133,12 @@ class Cells {
   double mean_company() const { return mean_company_; }
 
  private:
+  // Of a coordinate in the box of the particles.
+  Coarse<S> coarse(S x, int d) const {
+    if constexpr (std::is_same_v<S, float>) return x;
+    return static_cast<Coarse<S>>(on_coarse_scale(x, d) + 0.5);
+  }
+
   static constexpr std::size_t padding = 16, points_per_block = 16384;
   static constexpr double least_cells = 64, most_cells_per_particle = 4, most_cells = 4e9;
 
@@ -146,6 +154,8 @@ class Cells {
         most_cells,
         std::max(least_cells, most_cells_per_particle * static_cast<double>(cloud.size())));
     size_ = std::max(size_, longest / most);
+    if constexpr (!std::is_same_v<S, float>)
+      view_.units = std::min(longest > 0 ? units_of_extent / longest : 1, 1e300);
     for (;; size_ *= 1.25) {
       double total = 1;
       for (int d = 0; d < D; ++d) total *= std::floor((upper(d) - lower(d)) / size_) + 1;
@@ -155,12 +165,12 @@ class Cells {
       view_.counts[d] = static_cast<std::int64_t>((upper(d) - lower(d)) / size_) + 1;
   }
 
-  std::size_t particles_ = 0;
   double size_ = 1, mean_company_ = 0;
   CellView<S> view_;
   CountingSort sort_;
-  std::array<Array<S>, D> x_;  // longer than the particles by `padding`, as index_ is
-  Array<ParticleIndex> index_;
+  PointCloud<S> points_;
+  std::array<Array<Coarse<S>>, D> x_;       // longer than the particles by `padding`
+  std::span<const ParticleIndex> index_{};  // empty: particles are numbered by their places
 };
 
 }  // namespace recon::detail

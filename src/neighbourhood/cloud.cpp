@@ -69,7 +69,7 @@ template <class Scalar>
 void Cloud<Scalar>::update(const PointsView<Scalar>& points,
                            const std::span<const double>* weights) {
   if (version_ > 0) {
-    require(points.dimension() == points_.dimension(), "dimension of the points",
+    require(points.dimension() == points_->dimension(), "dimension of the points",
             points.dimension(), "must be what it was");
     if (weights != nullptr) {
       SourcesOptions check;
@@ -108,19 +108,19 @@ template <class Scalar>
 template <int D>
 void Cloud<Scalar>::build(int threads) {
   using Pointer = std::unique_ptr<Kept<D>>;
-  if (!std::holds_alternative<Pointer>(kept_)) kept_ = std::make_unique<Kept<D>>(points_);
-  Kept<D>& kept = *std::get<Pointer>(kept_);
   const double size = density_cell_size(incoming_, SearchIndex<Scalar, D>::particles_per_cell);
-  kept.index.start_anew(nullptr);
-  // Somebody may still hold the cells of before: they stay as they are then.
-  if (!kept.ordered || kept.ordered.use_count() > 1)
-    kept.ordered = std::make_shared<CellGrid<Scalar, D>>(incoming_, size, threads);
-  else
+  if (std::holds_alternative<Pointer>(kept_)) {
+    Kept<D>& kept = *std::get<Pointer>(kept_);
+    kept.index.start_anew(nullptr);
     kept.ordered->sorted_cells().build(incoming_, size, threads);
+  } else {
+    kept_ = Pointer(new Kept<D>{std::make_shared<CellGrid<Scalar, D>>(incoming_, size, threads)});
+  }
+  Kept<D>& kept = *std::get<Pointer>(kept_);
   Cells<Scalar, D>& cells = kept.ordered->sorted_cells();
   cells.number_by_place();
   caller_of_ = cells.order();
-  points_.assign_permuted(incoming_, caller_of_, threads);
+  points_ = &cells.points();
   kept.index.start_anew(kept.ordered);
 }
 
@@ -191,17 +191,17 @@ void Cloud<Scalar>::order(const PointCloud<Scalar>& targets, int threads,
 
 template <class Scalar>
 void Cloud<Scalar>::find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
-                         const NeighbourOptions& options, bool in_order,
+                         const NeighbourOptions& options, const RowsAsked& rows,
                          NeighbourList<Scalar>& list) const {
   NeighbourRule of_places = rule;
   std::vector<double> radii;
   if (auto* pairs = std::get_if<PairRadii>(&of_places)) {
-    require_valid_rule<Scalar>(rule, targets.size(), points_.size());
+    require_valid_rule<Scalar>(rule, targets.size(), points().size());
     for (const std::uint32_t p : caller_of_) radii.push_back(pairs->particles[p]);
     pairs->particles = radii;
   }
   with_kept([&](auto& kept) {
-    find_with_index(kept.index, targets, of_places, domain_, options, in_order, list);
+    find_with_index(kept.index, targets, of_places, domain_, options, rows, list);
   });
 }
 
@@ -263,7 +263,7 @@ NeighbourList<Scalar> neighbours_of(const BasicSources<Scalar>& sources,
       return visible(t, caller_of[p]);
     };
   NeighbourList<Scalar> list;
-  cloud.find(targets, rule, options, false, list);
+  cloud.find(targets, rule, options, {}, list);
   cloud.to_callers(list.indices, options.threads);
   return list;
 }

@@ -30,7 +30,7 @@ class Cloud {
   // Counts the updates: what was made of the cloud at another count is stale.
   std::uint64_t version() const { return version_; }
 
-  const PointCloud<Scalar>& points() const { return points_; }
+  const PointCloud<Scalar>& points() const { return *points_; }
   const PeriodicDomain<Scalar>& domain() const { return domain_; }
   const PeriodicDomain<double>& callers_domain() const { return options_.domain; }
   const std::array<double, max_dimension>& stretch() const { return options_.stretch; }
@@ -56,7 +56,8 @@ class Cloud {
   // Neighbours in numbers of places, of targets in the coordinates of the cloud; see
   // find_with_index(). The rule speaks of the caller's particles.
   void find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
-            const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list) const;
+            const NeighbourOptions& options, const RowsAsked& rows,
+            NeighbourList<Scalar>& list) const;
   // Gives back the memory that searches keep for the next one.
   void forget_buffers() const;
 
@@ -71,16 +72,16 @@ class Cloud {
   SourcesOptions options_;
   std::vector<double> callers_weights_;
   PeriodicDomain<Scalar> domain_;
-  PointCloud<Scalar> points_, incoming_;
+  PointCloud<Scalar> incoming_;
+  const PointCloud<Scalar>* points_ = nullptr;  // those of the cells
   std::vector<Scalar> weights_;
   std::span<const std::uint32_t> caller_of_;
   std::uint64_t version_ = 0;
 
   template <int D>
   struct Kept {
-    explicit Kept(const PointCloud<Scalar>& points) : index(points) {}
     std::shared_ptr<CellGrid<Scalar, D>> ordered;
-    SearchIndex<Scalar, D> index;
+    SearchIndex<Scalar, D> index{ordered->sorted_cells().points()};
   };
   std::variant<std::monostate, std::unique_ptr<Kept<1>>, std::unique_ptr<Kept<2>>,
                std::unique_ptr<Kept<3>>>

@@ -20,12 +20,6 @@ SearchMethod chosen(SearchMethod method, const NeighbourRule& rule) {
   return std::holds_alternative<Radius>(rule) ? SearchMethod::cell_grid : SearchMethod::kd_tree;
 }
 
-// Half the radius is a good size of cells for Radius; 0, a size by density, for the others.
-double cell_size(const NeighbourRule& rule) {
-  const auto* radius = std::get_if<Radius>(&rule);
-  return radius ? radius->radius / 2 : 0;
-}
-
 }  // namespace
 
 namespace detail {
@@ -33,7 +27,8 @@ namespace detail {
 template <int D, class Scalar>
 void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets,
                      const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
-                     const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list) {
+                     const NeighbourOptions& options, const RowsAsked& rows,
+                     NeighbourList<Scalar>& list) {
   // Before a search is built for it.
   require_valid_rule<Scalar>(rule, targets.size(), index.cloud().size());
   list.pair_support.clear();
@@ -52,13 +47,13 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
   }
   if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
       covered_by_cells(rule, options)) {
-    if (!find_by_cells<D>(index, targets, rule, domain, options, automatic, in_order, list))
+    if (!find_by_cells<D>(index, targets, rule, domain, options, automatic, rows, list))
       with(index.kd_tree());
     return;
   }
   switch (chosen(options.search, rule)) {
     case SearchMethod::cell_grid:
-      return with(index.cells(cell_size(rule), options.threads));
+      return with(index.cells(options.threads));
     case SearchMethod::r_tree:
       return with(index.r_tree());
     case SearchMethod::brute_force:
@@ -68,10 +63,10 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
   }
 }
 
-#define RECON_INSTANTIATE(S, D)                                                       \
-  template void find_with_index<D, S>(SearchIndex<S, D>&, const PointCloud<S>&,       \
-                                      const NeighbourRule&, const PeriodicDomain<S>&, \
-                                      const NeighbourOptions&, bool, NeighbourList<S>&)
+#define RECON_INSTANTIATE(S, D)                                                                 \
+  template void find_with_index<D, S>(                                                          \
+      SearchIndex<S, D>&, const PointCloud<S>&, const NeighbourRule&, const PeriodicDomain<S>&, \
+      const NeighbourOptions&, const RowsAsked&, NeighbourList<S>&)
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE
 
@@ -85,7 +80,7 @@ NeighbourList<Scalar> find_neighbours(const PointCloud<Scalar>& particles,
   NeighbourList<Scalar> list;
   const auto find = [&]<int D>(std::integral_constant<int, D>) {
     detail::SearchIndex<Scalar, D> index(particles);
-    detail::find_with_index<D>(index, targets, rule, domain, options, false, list);
+    detail::find_with_index<D>(index, targets, rule, domain, options, {}, list);
   };
   switch (particles.dimension()) {
     case 1:

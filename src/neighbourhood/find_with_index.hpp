@@ -7,10 +7,11 @@
 namespace recon::detail {
 
 // What find_neighbours() finds among the particles of the index, into `list`, whose memory is used
-// again. With `in_order` targets that follow each other in space are taken as they are.
+// again.
 template <int D, class Scalar>
 void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets,
                      const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
-                     const NeighbourOptions& options, bool in_order, NeighbourList<Scalar>& list);
+                     const NeighbourOptions& options, const RowsAsked& rows,
+                     NeighbourList<Scalar>& list);
 
 }  // namespace recon::detail

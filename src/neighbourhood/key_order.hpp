@@ -1,4 +1,4 @@
-// The keys of what was gathered around a target, in the order that its rule asks for.
+// The keys of the neighbours of one target, in the order that is asked for.
 //
 // A few are put in order by counting for each how many come before it (ranks of cell_kernel.hpp),
 // without a branch that depends on the data; many by sorting.
@@ -8,107 +8,126 @@
 #include <utility>
 #include <vector>
 
-#include "neighbourhood/cell_gather.hpp"
+#include "neighbourhood/neighbour_key.hpp"
+#include "neighbourhood/shared_by_targets.hpp"
 
 namespace recon::detail {
 
 template <class S, int D, bool periodic>
 class KeyOrder {
  public:
-  using Gather = CellGather<S, D, periodic>;
-  using Key = typename Gather::Key;
+  using Coding = NeighbourKey<periodic>;
+  using Key = typename Coding::Key;
 
   KeyOrder(const SearchKernels<S, D>& kernels, CellBuffers<S, D, Key>& buffers)
-      : kernels_(kernels),
-        rank_distance_(buffers.rank_distance),
-        rank_index_(buffers.rank_index),
-        pairs_(buffers.pairs),
-        ordered_(buffers.ordered) {}
+      : kernels_(kernels), buffers_(buffers) {}
 
-  const Key* begin() const { return ordered_.data(); }
+  const Key* begin() const { return buffers_.keys.data(); }
   const Key* end() const { return begin() + size_; }
   std::size_t size() const { return size_; }
 
-  // All of them by ascending key.
-  void by_index(Gather& gathered) {
-    const std::size_t count = gathered.count();
-    start(count, count);
-    if (count <= kernels_.most_ranked) {
-      rank_index_.resize(std::max(rank_index_.size(), count + 64));
-      kernels_.rank_indices(gathered.index(), static_cast<std::int64_t>(count), rank_index_.data());
-      place(gathered, rank_index_.data());
+  // The keys key_of(i) for i from 0 to count - 1.
+  template <class KeyOf>
+  void take(std::int64_t count, const KeyOf& key_of) {
+    size_ = static_cast<std::size_t>(count);
+    if (buffers_.keys.size() < size_ + 1) buffers_.keys.resize(2 * size_ + 64);
+    for (std::size_t i = 0; i < size_; ++i) buffers_.keys[i] = key_of(i);
+  }
+
+  // By ascending key. No two are equal.
+  void by_index() {
+    Key* const keys = buffers_.keys.data();
+    if (std::is_sorted(keys, keys + size_)) return;
+    if (!few()) return std::sort(keys, keys + size_);
+    buffers_.index.resize(std::max(buffers_.index.size(), size_ + 64));
+    buffers_.rank_index.resize(std::max(buffers_.rank_index.size(), size_ + 64));
+    for (std::size_t i = 0; i < size_; ++i) buffers_.index[i] = Coding::index(keys[i]);
+    kernels_.rank_indices(buffers_.index.data(), static_cast<std::int64_t>(size_),
+                          buffers_.rank_index.data());
+    place(buffers_.rank_index.data());
+  }
+
+  // Puts key i at rank[i], where rank[i] of the measures are smaller than measure[i]. False, and no
+  // order, where two measures differ by `slack` or less.
+  bool by_rank(const float* rank, const float* measure, float slack) {
+    auto &keys = buffers_.keys, &ordered = buffers_.ordered;
+    auto& sorted = buffers_.sorted;
+    ordered.resize(keys.size());
+    sorted.resize(std::max(sorted.size(), size_ + 1));
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const auto at = static_cast<std::uint32_t>(rank[i]);
+      ordered[at] = keys[i];
+      sorted[at] = measure[i];
+      sum += at;
+    }
+    bool apart = sum == size_ * (size_ - 1) / 2;
+    for (std::size_t i = 1; i < size_; ++i) apart &= sorted[i] - sorted[i - 1] > slack;
+    if (apart) std::swap(keys, ordered);
+    return apart;
+  }
+
+  // By ascending (distance2(i), key), of which the first `size` are kept, at most as many as there
+  // are. Returns the largest of their squared distances.
+  template <class Distance2>
+  S by_distance(std::size_t size, const Distance2& distance2) {
+    const std::size_t all = size_, kept = std::min(size, all);
+    S farthest2 = 0;
+    if (few()) {
+      auto& squares = buffers_.distance2;
+      squares.resize(std::max(squares.size(), all + 64));
+      buffers_.rank_distance.resize(std::max(buffers_.rank_distance.size(), all + 64));
+      const S* const rank = buffers_.rank_distance.data();
+      for (std::size_t i = 0; i < all; ++i) squares[i] = distance2(i);
+      kernels_.rank_distances(squares.data(), static_cast<std::int64_t>(all),
+                              buffers_.rank_distance.data());
+      place(rank);
+      const S end = static_cast<S>(kept);
+      for (std::size_t i = 0; i < all; ++i)
+        farthest2 = std::max(farthest2, rank[i] < end ? squares[i] : S(0));
     } else {
-      for (std::size_t i = 0; i < count; ++i) ordered_[i] = gathered.key(i);
-      std::sort(ordered_.begin(), ordered_.begin() + static_cast<std::ptrdiff_t>(count));
+      auto& pairs = buffers_.pairs;
+      pairs.resize(all);
+      for (std::size_t i = 0; i < all; ++i) pairs[i] = {distance2(i), buffers_.keys[i]};
+      const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(kept);
+      if (kept < all) std::nth_element(pairs.begin(), end, pairs.end());
+      std::sort(pairs.begin(), end);
+      for (std::size_t i = 0; i < kept; ++i) buffers_.keys[i] = pairs[i].second;
+      if (kept > 0) farthest2 = pairs[kept - 1].first;
     }
-  }
-
-  // The `size` nearest, at most as many as there are; returns the largest of their squared
-  // distances.
-  S by_distance(Gather& gathered, std::size_t size) {
-    const std::size_t count = gathered.count();
-    start(count, std::min(size, count));
-    S* const distance2 = gathered.distance2();
-    if (count <= kernels_.most_ranked) {
-      rank_distance_.resize(std::max(rank_distance_.size(), count + 64));
-      const S* const rank = rank_distance_.data();
-      kernels_.rank_distances(distance2, static_cast<std::int64_t>(count), rank_distance_.data());
-      place(gathered, rank);
-      S farthest2 = 0;
-      const S end = static_cast<S>(size_);
-      for (std::size_t i = 0; i < count; ++i)
-        farthest2 = std::max(farthest2, rank[i] < end ? distance2[i] : S(0));
-      return farthest2;
-    }
-    pairs_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) pairs_[i] = {distance2[i], gathered.key(i)};
-    const auto end = pairs_.begin() + static_cast<std::ptrdiff_t>(size_);
-    if (size_ < count) std::nth_element(pairs_.begin(), end, pairs_.end());
-    std::sort(pairs_.begin(), end);
-    for (std::size_t i = 0; i < size_; ++i) ordered_[i] = pairs_[i].second;
-    return size_ > 0 ? pairs_[size_ - 1].first : S(0);
-  }
-
-  // Entries with `index` and `shift` that are in order.
-  template <class Entries>
-  void take(const Entries& entries) {
-    start(entries.size(), entries.size());
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      ordered_[i] = Gather::Coding::of(entries[i].index, entries[i].shift);
+    size_ = kept;
+    return farthest2;
   }
 
  private:
-  void start(std::size_t count, std::size_t size) {
-    size_ = size;
-    if (ordered_.size() < count + 1) ordered_.resize(2 * count + 64);
-  }
+  bool few() const { return static_cast<std::int64_t>(size_) <= kernels_.most_ranked; }
 
-  // Puts the key of everything gathered at its rank; those of equal rank follow each other.
+  // Puts every key at its rank; those of equal rank follow each other.
   template <class T>
-  void place(const Gather& gathered, const T* rank) {
-    const std::size_t count = gathered.count();
+  void place(const T* rank) {
+    auto &keys = buffers_.keys, &ordered = buffers_.ordered;
+    ordered.resize(keys.size());
     std::size_t sum = 0;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < size_; ++i) {
       const auto at = static_cast<std::uint32_t>(rank[i]);
-      ordered_[at] = gathered.key(i);
+      ordered[at] = keys[i];
       sum += at;
     }
-    if (sum == count * (count - 1) / 2 || count == 0) return;  // no two are equal
-    constexpr Key none = std::numeric_limits<Key>::max();
-    std::fill_n(ordered_.begin(), count + 1, none);
-    for (std::size_t i = 0; i < count; ++i) {
-      auto at = static_cast<std::uint32_t>(rank[i]);
-      Key moved = gathered.key(i);
-      while (ordered_[at] < moved) ++at;
-      for (; moved != none; ++at) std::swap(moved, ordered_[at]);
+    if (size_ > 0 && sum != size_ * (size_ - 1) / 2) {  // some are equal
+      constexpr Key none = std::numeric_limits<Key>::max();
+      std::fill_n(ordered.begin(), size_ + 1, none);
+      for (std::size_t i = 0; i < size_; ++i) {
+        auto at = static_cast<std::uint32_t>(rank[i]);
+        Key moved = keys[i];
+        while (ordered[at] < moved) ++at;
+        for (; moved != none; ++at) std::swap(moved, ordered[at]);
+      }
     }
+    std::swap(keys, ordered);
   }
 
   const SearchKernels<S, D>& kernels_;
-  std::vector<S>& rank_distance_;
-  std::vector<std::uint32_t>& rank_index_;
-  std::vector<std::pair<S, Key>>& pairs_;
-  std::vector<Key>& ordered_;
+  CellBuffers<S, D, Key>& buffers_;
   std::size_t size_ = 0;
 };
 

@@ -58,12 +58,12 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
     };
   SearchIndex<Scalar, D> target_index(targets);
   NeighbourList<Scalar> found;
-  find_with_index<D>(target_index, particles, Radii{rule.particles}, domain, of_particles, false,
+  find_with_index<D>(target_index, particles, Radii{rule.particles}, domain, of_particles, {},
                      found);
   std::vector<std::vector<Seen>> rows = turned_round(found, targets.size());
 
   if (symmetric) {
-    find_with_index<D>(index, targets, Radii{rule.targets}, domain, of_targets, false, found);
+    find_with_index<D>(index, targets, Radii{rule.targets}, domain, of_targets, {}, found);
     std::vector<Seen> own, both;
     for (std::size_t t = 0; t < rows.size(); ++t) {
       own.clear();

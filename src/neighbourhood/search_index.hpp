@@ -17,26 +17,59 @@
 #include "recon/neighbourhood/brute_force.hpp"
 #include "recon/neighbourhood/cell_grid.hpp"
 #include "recon/neighbourhood/kd_tree.hpp"
-#include "recon/neighbourhood/periodic_images.hpp"
 #include "recon/neighbourhood/r_tree.hpp"
 
 namespace recon::detail {
 
-// The memory of a CellGather (cell_gather.hpp) and a KeyOrder (key_order.hpp), with its keys.
+// How the targets of a search are given, and what rows are to be like.
+struct RowsAsked {
+  bool in_order = false;  // targets follow each other in space as they are (sort_by_bricks)
+  // Rows by ascending (index, shift), whatever the rule says, where the search by cells finds them.
+  bool by_index = false;
+};
+
+// The candidates of a Brick (brick.hpp) that belong to one periodic image: those from the end of the
+// one before on.
+template <class S>
+struct CollectedImage {
+  ImageShift shift{};
+  std::array<Coarse<S>, max_dimension> centre{};  // what their coordinates are relative to
+  std::int64_t end = 0;
+};
+
+// A target of a group that is treated at once.
+template <class S, int D>
+struct GroupTarget {
+  std::array<S, D> x;
+  std::uint32_t number;
+};
+
+// The memory of a Brick, a KeyOrder (key_order.hpp) with its keys, and a group of targets.
 template <class S, int D, class Key>
 struct CellBuffers {
-  PeriodicImages<S, D> images;
+  std::vector<CollectedImage<S>> images;
+  std::array<std::vector<float>, D> x;
+  std::vector<float> measure, rank, chosen_measure, rest_measure, sorted;
+  std::vector<std::uint32_t> place, candidate, chosen, rest;
+  std::vector<Key> keys, ordered;
   std::vector<S> distance2, rank_distance;
-  std::vector<std::uint32_t> index, shift, rank_index;  // shift: as codes
+  std::vector<std::uint32_t> index, rank_index, far;
   std::vector<std::pair<S, Key>> pairs;
-  std::vector<Key> ordered;
+  std::vector<GroupTarget<S, D>> group;
+};
+
+// The rows that a block of targets has found, one after another.
+template <class Key>
+struct FoundRows {
+  std::vector<Key> keys;
+  std::vector<std::uint32_t> targets;  // whose row each is
 };
 
 // The memory of searches by cells, kept from one to the next.
 template <class S, int D, class Key>
 struct CellSearchMemory {
-  Pool<CellBuffers<S, D, Key>> buffers;        // of a block of targets
-  Pool<std::vector<std::vector<Key>>> blocks;  // the keys that all blocks have found
+  Pool<CellBuffers<S, D, Key>> buffers;      // of a block of targets
+  Pool<std::vector<FoundRows<Key>>> blocks;  // what all blocks have found
 };
 
 template <class S, int D>
@@ -55,7 +88,6 @@ class SearchIndex {
   void start_anew(std::shared_ptr<const Grid> ordered) {
     const std::lock_guard lock(mutex_);
     grid_ = std::move(ordered);
-    wide_grid_.reset();
     kd_tree_.reset();
     r_tree_.reset();
     brute_force_.reset();
@@ -63,18 +95,13 @@ class SearchIndex {
     paid_ = 0;
   }
 
-  // Cells of density_cell_size(), or of `size` where that is larger by half or more.
-  std::shared_ptr<const Grid> cells(double size, int threads) {
+  // Cells of density_cell_size().
+  std::shared_ptr<const Grid> cells(int threads) {
     const std::lock_guard lock(mutex_);
     if (!grid_)
       grid_ =
           std::make_shared<Grid>(cloud_, density_cell_size(cloud_, particles_per_cell), threads);
-    if (size <= much_larger * grid_->cell_size()) return grid_;
-    if (!wide_grid_ || size > much_larger * wide_size_ || wide_size_ > much_larger * size) {
-      wide_grid_ = std::make_shared<Grid>(cloud_, size, threads);
-      wide_size_ = size;
-    }
-    return wide_grid_;
+    return grid_;
   }
 
   std::shared_ptr<const KdTree<S, D>> kd_tree() {
@@ -105,7 +132,6 @@ class SearchIndex {
   }
 
  private:
-  static constexpr double much_larger = 1.5;
   static constexpr std::int64_t work_per_particle = 400;
 
   template <class Search>
@@ -118,8 +144,7 @@ class SearchIndex {
   const PointCloud<S>& cloud_;
   std::tuple<CellSearchMemory<S, D, std::uint32_t>, CellSearchMemory<S, D, std::uint64_t>> memory_;
   std::mutex mutex_;
-  std::shared_ptr<const Grid> grid_, wide_grid_;
-  double wide_size_ = 0;
+  std::shared_ptr<const Grid> grid_;
   std::shared_ptr<const KdTree<S, D>> kd_tree_;
   std::shared_ptr<const RTree<S, D>> r_tree_;
   std::shared_ptr<const BruteForce<S, D>> brute_force_;

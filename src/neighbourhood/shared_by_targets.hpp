@@ -47,14 +47,20 @@ struct Question {
 // The kernels of one instruction set.
 template <class S, int D>
 struct SearchKernels {
-  decltype(&generic::gather_ball<S, D>) gather;
+  decltype(&generic::collect<S, D>) collect;
+  decltype(&generic::near_ball<D>) near;
+  decltype(&generic::select_smallest) select_smallest, rank_smallest;
+  decltype(&generic::count_at_most) count_at_most;
   decltype(&generic::ranks<S>) rank_distances;
   decltype(&generic::ranks<std::uint32_t>) rank_indices;
-  std::size_t most_ranked;  // beyond this number sorting is faster than ranks()
+  std::int64_t most_ranked;  // beyond this number sorting is faster than ranks()
 
-  SearchKernels(InstructionSet set, SupportShape shape, bool nearest)
-      : gather(shape == SupportShape::cube && !nearest ? RECON_DISPATCH(set, gather_cube<S, D>)
-                                                       : RECON_DISPATCH(set, gather_ball<S, D>)),
+  SearchKernels(InstructionSet set, bool cube)
+      : collect(RECON_DISPATCH(set, collect<S, D>)),
+        near(cube ? RECON_DISPATCH(set, near_cube<D>) : RECON_DISPATCH(set, near_ball<D>)),
+        select_smallest(RECON_DISPATCH(set, select_smallest)),
+        rank_smallest(RECON_DISPATCH(set, rank_smallest)),
+        count_at_most(RECON_DISPATCH(set, count_at_most)),
         rank_distances(RECON_DISPATCH(set, ranks<S>)),
         rank_indices(RECON_DISPATCH(set, ranks<std::uint32_t>)),
         most_ranked(set == InstructionSet::avx512 ? 256
@@ -71,6 +77,8 @@ struct SharedByTargets {
   const PeriodicDomain<S>& domain;
   const NeighbourOptions& options;
   const Question<S> question;
+  const bool by_index;  // rows by ascending (index, shift), whatever the rule says
+  const bool cube;      // is everything in a cube asked for?
   const std::shared_ptr<const CellGrid<S, D>> grid;
   const SearchKernels<S, D> kernels;
   const S spacing;
@@ -81,17 +89,9 @@ struct SharedByTargets {
   const bool may_build_tree;
   const std::int64_t hard_work;  // for one target that a query of a tree would not exceed by much
 
-  // Half the radius; 0, the size by density, for the k nearest.
-  static double cell_size(const Question<S>& question) {
-    if (question.nearest) return 0;
-    auto radius = static_cast<double>(question.radius);
-    for (const double r : question.radii) radius += r / static_cast<double>(question.radii.size());
-    return std::min(radius / 2, std::numeric_limits<double>::max());
-  }
-
   SharedByTargets(SearchIndex<S, D>& searches, const PointCloud<S>& all_targets,
                   const NeighbourRule& neighbour_rule, const PeriodicDomain<S>& where,
-                  const NeighbourOptions& how, bool tree_allowed)
+                  const NeighbourOptions& how, bool all_by_index, bool tree_allowed)
       : index(searches),
         particles(searches.cloud()),
         targets(all_targets),
@@ -99,8 +99,10 @@ struct SharedByTargets {
         domain(where),
         options(how),
         question(rule),
-        grid(index.cells(cell_size(question), options.threads)),
-        kernels(resolved(options.instruction_set), options.shape, question.nearest),
+        by_index(all_by_index || !question.nearest),
+        cube(options.shape == SupportShape::cube && !question.nearest),
+        grid(index.cells(options.threads)),
+        kernels(resolved(options.instruction_set), cube),
         spacing(mean_spacing(particles, domain)),
         may_build_tree(tree_allowed),
         hard_work(8000 + 100 * static_cast<std::int64_t>(question.k)) {

@@ -64,7 +64,8 @@ bool FitProblem<Scalar>::grow(const NeighbourRule& rule, const NeighbourOptions&
     const NeighbourOptions larger = search_of(search, missing);
     const PointCloud<Scalar> at = subset(targets_, missing);
     NeighbourList<Scalar> list;
-    cloud_->find(at, enlarged(rule, factor, missing, radii), larger, true, list);
+    cloud_->find(at, enlarged(rule, factor, missing, radii), larger,
+                 {.in_order = true, .by_index = true}, list);
     Array<Scalar> values;
     std::vector<FitReport> grown;
     fit_list(at, list, search.progress, values, grown);
@@ -91,7 +92,7 @@ void FitProblem<Scalar>::use_nearest(const NeighbourOptions& search) {
   NeighbourOptions one = search_of(search, lost);
   one.shape = SupportShape::ball;
   NeighbourList<Scalar> list;
-  cloud_->find(subset(targets_, lost), Nearest{1}, one, true, list);
+  cloud_->find(subset(targets_, lost), Nearest{1}, one, {.in_order = true}, list);
   std::vector<bool> take;
   for (std::size_t i = 0; i < lost.size(); ++i) take.push_back(list.count(i) > 0);
   const NeighbourList<Scalar> before = std::move(neighbours_);

@@ -128,7 +128,7 @@ class FarTargets {
       search.visible = [&](std::size_t t, std::size_t p) { return search_.visible(rest[t], p); };
     const PointCloud<Scalar> at = subset(targets_, rest);
     NeighbourList<Scalar> list;
-    cloud_.find(at, Nearest{1}, search, true, list);
+    cloud_.find(at, Nearest{1}, search, {.in_order = true}, list);
     for (std::size_t i = 0; i < rest.size(); ++i)
       if (list.count(i) > 0)
         near[rest[i]] = {list.indices[list.offsets[i]],
@@ -148,7 +148,7 @@ class FarTargets {
       for (const std::size_t i : rest) asked.push_back(chosen[i]);
       const PointCloud<Scalar> at = subset(particles_, asked);
       NeighbourList<Scalar> list;
-      cloud_.find(at, Nearest{ask}, all, true, list);
+      cloud_.find(at, Nearest{ask}, all, {.in_order = true}, list);
       for (std::size_t i = 0; i < rest.size(); ++i) {
         const bool found = spacing_in_list(at, i, list, spacings[rest[i]]);
         if (!found && static_cast<std::size_t>(list.count(i)) == ask) still.push_back(rest[i]);

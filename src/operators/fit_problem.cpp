@@ -122,7 +122,7 @@ void FitProblem<Scalar>::fit_taken() {
     cloud_->to_places(neighbours_.indices, neighbours_.indices.data(), options_.threads);
   } else {
     rule = ordered_rule(ordered_radii_);
-    cloud_->find(targets_, rule, search, true, neighbours_);
+    cloud_->find(targets_, rule, search, {.in_order = true, .by_index = true}, neighbours_);
   }
 
   search.progress = part_of(options_.progress, found, found);  // what comes now is short

@@ -127,11 +127,11 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
   cloud.take_targets(targets, "targets", options.threads, at);
   auto pattern = std::make_shared<SparsityPattern<Scalar>>();
   NeighbourList<Scalar>& list = pattern->neighbours;
-  cloud.find(at, options.support, search, false, list);
+  cloud.find(at, options.support, search, {.by_index = true}, list);
   if (std::holds_alternative<Nearest>(options.support) ||
       std::holds_alternative<NearestWithin>(options.support)) {
     const std::vector<double> radii(list.support.begin(), list.support.end());
-    cloud.find(at, Radii{radii}, search, false, list);
+    cloud.find(at, Radii{radii}, search, {.by_index = true}, list);
   }
   Array<Scalar> values;
   evaluate_kernels(cloud, at, list, options, values);

@@ -180,6 +180,92 @@ TYPED_TEST(CellSearch, EqualsBruteForceOnAnyScale) {
     }
 }
 
+// Distances that differ by less than single precision, or a scale of the whole cloud, resolves: the
+// search may look at rounded coordinates, but must not decide by them.
+TYPED_TEST(CellSearch, EqualsBruteForceWhereRoundedCoordinatesCannotTell) {
+  using Scalar = typename TypeParam::Scalar;
+  constexpr int D = TypeParam::D;
+  constexpr double spacing = 1.0 / 64;
+  constexpr std::size_t per_axis = D == 1 ? 800 : D == 2 ? 30 : 10;
+  const auto lattice = [&](double noise) {
+    auto points = regular_points<Scalar, D>(per_axis);
+    RandomNumbers random(5);
+    for (auto& x : points)
+      for (auto& c : x)
+        c = Scalar((std::round(double(c) * per_axis - 0.5) + noise * random.uniform(-1, 1)) *
+                   spacing);
+    return points;
+  };
+  const auto check = [&](const std::string& name, const PointList<Scalar, D>& p,
+                         const PointList<Scalar, D>& t, double length,
+                         const PeriodicDomain<Scalar>& domain = {}) {
+    const auto particles = cloud_of(p, domain), targets = cloud_of(t, domain);
+    std::vector<double> radii;
+    for (std::size_t i = 0; i < targets.size(); ++i) radii.push_back((1 + double(i % 4)) * length);
+    for (const NeighbourRule& rule :
+         {NeighbourRule(Nearest{3}), NeighbourRule(Nearest{2 * D + 2}), NeighbourRule(Nearest{90}),
+          NeighbourRule(Radius{length}), NeighbourRule(Radius{2 * length}),
+          NeighbourRule(Radii{radii}), NeighbourRule(NearestWithin{2 * D, length})}) {
+      SCOPED_TRACE(name + ", rule " + std::to_string(rule.index()));
+      expect_reference(particles, targets, rule, domain);
+      if (rule.index() < 3)
+        expect_reference(particles, targets, rule, domain, {.shape = SupportShape::cube});
+      if (this->HasFatalFailure()) return;
+    }
+  };
+  for (const double noise : {0.0, 1e-13, 1e-9, 1e-7}) {  // of a spacing
+    const auto p = lattice(noise);
+    PointList<Scalar, D> at_nodes;  // and between them, where ties are as exact
+    for (std::size_t i = 0; i < p.size(); i += p.size() / 60) {
+      at_nodes.push_back(p[i]);
+      auto between = p[i];
+      between[0] += Scalar(spacing / 2);
+      at_nodes.push_back(between);
+    }
+    check("lattice with noise " + std::to_string(noise), p, at_nodes, spacing);
+    if (this->HasFatalFailure()) return;
+    PeriodicDomain<Scalar> domain;
+    domain.upper[0] = Scalar(per_axis * spacing);
+    domain.periodic[0] = true;
+    check("periodic lattice", p, at_nodes, spacing, domain);
+    if (this->HasFatalFailure()) return;
+  }
+  // A small cloud far from the origin, one with a particle far from the others, a long thin one,
+  // coincident ones among others, and dense spots whose width no float about their brick resolves.
+  auto far = random_points<Scalar, D>(600, 1), with_stray = far, thin = far, spots = far,
+       same = far;
+  for (auto& x : far)
+    for (auto& c : x) c += Scalar(sizeof(Scalar) == 4 ? 1e3 : 1e9);
+  with_stray[5].fill(Scalar(1e7));
+  for (auto& x : thin) x[0] *= Scalar(1e6);
+  for (std::size_t i = 0; i < 300; ++i) {
+    for (int d = 0; d < D; ++d) spots[i][d] = spots[i % 3][d] + spots[i][d] * Scalar(1e-9);
+    same[i] = same[i % 7];
+  }
+  const auto some = [](const PointList<Scalar, D>& p) {
+    return PointList<Scalar, D>(p.begin(), p.begin() + 100);
+  };
+  check("far from the origin", far, some(far), 0.1);
+  check("one particle far away", with_stray, some(with_stray), 0.1);
+  check("long and thin", thin, some(thin), 0.3 * (D == 1 ? 1e4 : 1));
+  check("coincident", same, some(same), 0.1);
+  check("spots", spots, some(spots), 0.5e-9);
+}
+
+// Targets so dense that those of a brick are cut into groups, which see only some of the particles.
+TYPED_TEST(CellSearch, DenseTargetsInADenseSpot) {
+  using Scalar = typename TypeParam::Scalar;
+  constexpr int D = TypeParam::D;
+  auto p = random_points<Scalar, D>(6000, 1);
+  for (std::size_t i = 0; i < 3000; ++i)
+    for (auto& c : p[i]) c = Scalar(0.4) + c * Scalar(0.01);
+  PointList<Scalar, D> t(p.begin(), p.begin() + 700);
+  t.resize(800, p[3]);  // and many in one place
+  const auto particles = cloud_of(p), targets = cloud_of(t);
+  expect_reference(particles, targets, Nearest{7});
+  expect_reference(particles, targets, Radius{1e-3});
+}
+
 // Many blocks of particles, buckets of cells and blocks of targets.
 TYPED_TEST(CellSearch, ManyBlocks) {
   using Scalar = typename TypeParam::Scalar;

@@ -294,6 +294,43 @@ TEST(Sources, NeighboursAndOwnLists) {
                    900, "a rule instead");
 }
 
+// Rows of a reconstruction have an order of their own: that of places, whoever searched them.
+TEST(Sources, RowsHoldTheNeighboursInOneOrder) {
+  PeriodicDomain<double> box{{0, 0, 0}, {1, 1, 1}, {true, false, true}};
+  auto points = random_points<double, 3>(4000, 1);
+  for (std::size_t i = 0; i < 1000; ++i)  // exact ties, and some beyond what floats resolve
+    for (double& c : points[i]) c = std::round(c * 16) / 16 + (i % 2 ? 1e-12 : 0);
+  const auto targets = random_points<double, 3>(1500, 2);
+  for (const PeriodicDomain<double>& domain : {PeriodicDomain<double>{}, box})
+    for (const NeighbourRule& rule :
+         {NeighbourRule(Nearest{17}), NeighbourRule(NearestWithin{9, 0.1}),
+          NeighbourRule(Radius{0.11})}) {
+      const Sources sources(points_of(points), {.domain = domain});
+      const auto expected =
+          find_neighbours(sources, points_of(targets), rule, {.search = SearchMethod::brute_force});
+      for (const int threads : {1, 2, 3}) {
+        const Reconstruction fit = reconstruct(
+            sources, points_of(targets), {.degree = 0, .neighbours = rule, .threads = threads});
+        const NeighbourList<double> list = fit.neighbours();
+        ASSERT_EQ(list.offsets, expected.offsets);
+        ASSERT_EQ(list.support, expected.support);
+        std::vector<std::uint32_t> place(points.size());
+        for (std::size_t i = 0; i < place.size(); ++i) place[sources.order()[i]] = std::uint32_t(i);
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+          std::vector<std::pair<std::uint32_t, ImageShift>> row, wanted;
+          for (std::int64_t e = list.offsets[t]; e < list.offsets[t + 1]; ++e) {
+            row.emplace_back(place[list.indices[e]],
+                             list.shifts.empty() ? ImageShift{} : list.shifts[e]);
+            wanted.emplace_back(place[expected.indices[e]],
+                                expected.shifts.empty() ? ImageShift{} : expected.shifts[e]);
+          }
+          std::sort(wanted.begin(), wanted.end());
+          ASSERT_EQ(row, wanted) << "target " << t << ", rule " << rule.index();
+        }
+      }
+    }
+}
+
 TEST(Sources, NodesOfAGridAreTargets) {
   const auto points = random_points<double, 2>(500, 1);
   const Sources sources(points_of(points));

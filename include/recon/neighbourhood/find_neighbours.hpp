@@ -32,7 +32,7 @@
 //
 // Cost: building the search, then one query per target (per image that can reach the particles).
 // The fastest are evenly spread particles (their density may vary by a factor of 100 or so), in any
-// order; a particle cloud that is its own targets saves the sorting of targets.
+// order.
 #pragma once
 
 #include <concepts>

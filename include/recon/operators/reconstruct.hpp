@@ -19,7 +19,7 @@
 //
 // A Reconstruction owns what it needs: your arrays may change or go once it is made. To follow
 // moving particles, make it from Sources (neighbourhood/sources.hpp) and update both. Memory: about
-// 12 bytes (double) per target and neighbour, and for coordinates, order and search 60 bytes per
+// 12 bytes (double) per target and neighbour, and for coordinates, order and search 55 bytes per
 // particle and 50 per target in 3-D. One that has been moved from may only be assigned to or
 // destroyed, as operators and Sources may.
 //
@@ -167,7 +167,8 @@ class BasicReconstruction {
   // Who was near each target, and its support: a copy. A target whose status is `nearest` has the
   // nearest particle and a support that reaches it, not the one asked for. Among particles at the
   // same distance a nearest rule takes the first ones in a spatial order, not those of the smallest
-  // index; Radius, Radii and PairRadii list in that order.
+  // index. Radius, Radii and PairRadii list in that order, the nearest rules in an order that is a
+  // function of the positions, but not that of distances.
   NeighbourList<Scalar> neighbours() const;
   // The support radius of target t, a length.
   Scalar support(std::size_t target) const;
