@@ -1,5 +1,4 @@
 // The updates that map once a step, and what they are chosen from.
-#include "mpm/update.hpp"
 #include "core/flatten.hpp"
 #include "mpm/modes.hpp"
 #include "mpm/policies.hpp"
@@ -203,19 +202,16 @@ class Filtered : public SingleMap<D> {
 
 template <int D>
 std::unique_ptr<const UpdatePolicy<D>> make_update(const Problem<D>& problem) {
-  switch (problem.method.update) {
-    case Update::xpic:
-    case Update::fmpm:
-      return std::make_unique<Filtered<D>>(problem);
-    case Update::runge_kutta:
-      return make_runge_kutta(problem);
-    default:
-      return std::make_unique<SingleMap<D>>(problem);
-  }
+  const Update update = problem.method.update;
+  if (update == Update::runge_kutta) return make_runge_kutta(problem);
+  if (update == Update::xpic || update == Update::fmpm)
+    return std::make_unique<Filtered<D>>(problem);
+  return std::make_unique<SingleMap<D>>(problem);
 }
 
-template std::unique_ptr<const UpdatePolicy<1>> make_update(const Problem<1>&);
-template std::unique_ptr<const UpdatePolicy<2>> make_update(const Problem<2>&);
-template std::unique_ptr<const UpdatePolicy<3>> make_update(const Problem<3>&);
+#define RECON_INSTANTIATE(D) \
+  template std::unique_ptr<const UpdatePolicy<D>> make_update(const Problem<D>&);
+RECON_DIMENSIONS(RECON_INSTANTIATE)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm
