@@ -2,10 +2,10 @@
 #include <string>
 
 #include "grid/node_fit.hpp"
+#include "local_solve/compiled_solve.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/core/sums.hpp"
-#include "recon/local_solve/gram_schmidt.hpp"
 #include "recon/shape/stencil.hpp"
 
 namespace recon {
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t nodes_per_block = 64;
 
-template <class Scalar, int D, int R>
+template <class Scalar, int D>
 class ParticleFit {
  public:
   ParticleFit(const ParticleData<Scalar>& particles, const ParticleBins& bins,
@@ -22,20 +22,21 @@ class ParticleFit {
         bins_(bins),
         plan_(plan),
         fits_(fits),
-        solve_(plan.options.tolerances) {}
+        solve_(detail::make_solve<Scalar, D>(plan.options.degree, Solver::gram_schmidt,
+                                             plan.options.tolerances)) {}
 
   void fit(std::size_t node) {
     find(node);
     weigh(node);
     const LocalCloud<Scalar, D> cloud = stencil_.cloud();
     count_ = cloud.size;
-    FitReport& report = fits_.reports[node] = solve_.fit(cloud);
+    FitReport& report = fits_.reports[node] = solve_->fit(cloud);
     report.hessian_rank = 0;
     if (report.rank == 0) return;
     phi_.resize(static_cast<std::size_t>(cloud.size) * (1 + D));
-    solve_.shape_functions(cloud,
-                           ShapeArrays<Scalar, D>::in(phi_.data(), cloud.size, Derivative::diffuse,
-                                                      fits_.has_gradients(), false));
+    solve_->shape_functions(cloud,
+                            ShapeArrays<Scalar, D>::in(phi_.data(), cloud.size, Derivative::diffuse,
+                                                       fits_.has_gradients(), false));
     const auto at = static_cast<Eigen::Index>(node);
     int column = 0;
     for (const auto& field : particles_.fields)
@@ -107,7 +108,7 @@ class ParticleFit {
   const ParticleBins& bins_;
   const GridPlan<Scalar>& plan_;
   NodeFits<Scalar>& fits_;
-  GramSchmidt<Scalar, Monomials<D, R>> solve_;
+  std::unique_ptr<detail::CompiledSolve<Scalar, D>> solve_;
   Stencil<Scalar, D> stencil_;
   std::vector<std::uint32_t> found_;
   std::vector<Scalar> phi_;
@@ -120,10 +121,10 @@ template <class Scalar>
 void fit_from_particles(const ParticleData<Scalar>& particles, const ParticleBins& bins,
                         const GridPlan<Scalar>& plan, const std::vector<std::size_t>& nodes,
                         NodeFits<Scalar>& fits) {
-  with_shape(plan, [&](auto dimension, auto degree) {
+  with_dimension(plan, [&](auto dimension) {
     parallel_blocks(nodes.size(), nodes_per_block, plan.options.threads,
                     [&](std::size_t begin, std::size_t end) {
-                      ParticleFit<Scalar, dimension, degree> fit(particles, bins, plan, fits);
+                      ParticleFit<Scalar, dimension> fit(particles, bins, plan, fits);
                       for (std::size_t i = begin; i < end; ++i) fit.fit(nodes[i]);
                     });
   });

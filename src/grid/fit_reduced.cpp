@@ -4,6 +4,7 @@
 
 #include "grid/node_fit.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/local_solve/fill_report.hpp"
 #include "recon/local_solve/gradient_resolution.hpp"
 #include "recon/local_solve/moment_matrix.hpp"
 
@@ -12,14 +13,12 @@ namespace {
 
 constexpr std::size_t nodes_per_block = 256;
 
-// What a fit knows of its gradient, for the report; and how to project onto the resolved
-// directions, where those are not all.
+// Says in the report in how many directions the gradient is resolved. Returns how to project onto
+// them, where those are not all.
 template <class Scalar, int D, int R>
 std::optional<detail::GradientResolution<Scalar, D>> gradient_of(
     const MomentMatrix<Scalar, Monomials<D, R>>& matrix, Scalar weight_sum,
     const FitTolerances& tolerances, FitReport& report) {
-  report.gradient_rank = R > 0 ? D : 0;
-  report.gradient_amplification = static_cast<float>(matrix.gradient_amplification());
   if (R == 0 || matrix.gradient_resolved()) return {};
   const auto slopes = matrix.slopes();
   std::array<std::array<Scalar, slopes.size()>, D> components;
@@ -53,17 +52,12 @@ void fit_node(const Scalar* moments, const GridPlan<Scalar>& plan, std::size_t n
   }
   if (!std::isfinite(chosen[0])) throw_overflow(chosen[0], "sum of the weights", 0, node);
   if (R == 0 && !matrix.factor(chosen, noise)) return;
-  FitReport& report = fits.reports[node] = {};
-  report.solver = Solver::moment_matrix;
   // A node may be seen by particles of negligible weight only.
-  report.neighbours = std::max(1u, static_cast<std::uint32_t>(moments[0]));
-  report.smallest_pivot = static_cast<float>(matrix.smallest_pivot());
-  report.amplification = static_cast<float>(matrix.amplification());
-  for (int k = 0; k <= R; ++k)
-    report.kept[k] = static_cast<std::uint8_t>(Basis::begin(k + 1) - Basis::begin(k));
-  report.rank = static_cast<std::uint8_t>(Basis::size);
-  report.degree = R;
-  report.status = R == plan.options.degree ? FitStatus::full : FitStatus::reduced;
+  const int neighbours = std::max(1, static_cast<int>(moments[0]));
+  FitReport& report = fits.reports[node];
+  report = detail::report_of<Basis>(detail::numbers_of(Solver::moment_matrix, neighbours, matrix),
+                                    detail::all_terms<Basis>(), plan.options.degree);
+  report.hessian_rank = 0;
   const auto partial =
       gradient_of<Scalar, D, R>(matrix, chosen[0], plan.options.tolerances, report);
   const auto at = static_cast<Eigen::Index>(node);

@@ -28,6 +28,7 @@ void require_moments(const StructuredGrid<Scalar>& grid, const Options& options,
                      const GridApply& apply) {
   grid.validate();
   options.validate();
+  apply.validate();
   if (const auto beyond = beyond_moments<Scalar>(grid, options, apply)) throw *beyond;
 }
 

@@ -78,10 +78,23 @@ Scalar node_noise(const GridPlan<Scalar>& plan,
   return std::numeric_limits<Scalar>::epsilon() * size;
 }
 
+// Calls body(std::integral_constant<int, D>) for a plan.
+template <class Scalar, class Body>
+void with_dimension(const GridPlan<Scalar>& plan, Body&& body) {
+  switch (plan.dimension()) {
+    case 1:
+      return body(std::integral_constant<int, 1>{});
+    case 2:
+      return body(std::integral_constant<int, 2>{});
+    default:
+      return body(std::integral_constant<int, 3>{});
+  }
+}
+
 // Calls body(std::integral_constant<int, D>, std::integral_constant<int, R>) for a plan.
 template <class Scalar, class Body>
 void with_shape(const GridPlan<Scalar>& plan, Body&& body) {
-  const auto with_degree = [&](auto dimension) {
+  with_dimension(plan, [&](auto dimension) {
     switch (plan.options.degree) {
       case 0:
         return body(dimension, std::integral_constant<int, 0>{});
@@ -90,15 +103,7 @@ void with_shape(const GridPlan<Scalar>& plan, Body&& body) {
       default:
         return body(dimension, std::integral_constant<int, 2>{});
     }
-  };
-  switch (plan.dimension()) {
-    case 1:
-      return with_degree(std::integral_constant<int, 1>{});
-    case 2:
-      return with_degree(std::integral_constant<int, 2>{});
-    default:
-      return with_degree(std::integral_constant<int, 3>{});
-  }
+  });
 }
 
 }  // namespace recon

@@ -48,6 +48,7 @@ BasicGridReconstruction<Scalar> of_points(const PointsView<Scalar>& points,
                                           const StructuredGrid<Scalar>& grid,
                                           const Options& options, const GridApply& apply) {
   options.validate();
+  apply.validate();
   grid.validate();
   const ParticleData<Scalar> particles{points, fields, options.particle_weights};
   particles.validate(grid.dimension, options.threads);
@@ -86,6 +87,7 @@ BasicGridReconstruction<Scalar> of_sources(const BasicSources<Scalar>& sources,
                                            const StructuredGrid<Scalar>& grid,
                                            const Options& options, const GridApply& apply) {
   options.validate();
+  apply.validate();
   options.validate_with_sources();
   grid.validate();
   const detail::Cloud<Scalar>& cloud = *sources.cloud();

@@ -3,6 +3,7 @@
 
 #include "grid/node_fit.hpp"
 #include "recon/basis/monomials.hpp"
+#include "recon/local_solve/fill_report.hpp"
 
 namespace recon {
 namespace {
@@ -37,8 +38,7 @@ RowSolver<Scalar>::RowSolver(const GridPlan<Scalar>& plan, const LaneLayout& lan
                                              (fits.has_gradients() ? 1 + plan.dimension() : 1))),
       noise_(static_cast<std::size_t>(lanes.groups * lanes.lanes)),
       out_(static_cast<std::size_t>(lanes.groups * lanes.lanes) * out_size_) {
-  full_.solver = Solver::moment_matrix;
-  with_shape(plan, [&](auto d, auto r) { detail::report_full<Monomials<d, r>>(full_); });
+  with_shape(plan, [&](auto d, auto r) { full_ = detail::report_of<Monomials<d, r>>({}); });
   full_.hessian_rank = 0;
 }
 
@@ -100,10 +100,10 @@ void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t co
   const int dimension = fits_.has_gradients() ? plan_.dimension() : 0;
   if (out[0] != 0 && in_range(out, weight_sum)) {
     report = full_;
-    report.neighbours = static_cast<std::uint32_t>(count);
-    report.smallest_pivot = static_cast<float>(out[lanes]);
-    report.amplification = static_cast<float>(out[2 * lanes]);
-    report.gradient_amplification = static_cast<float>(out[3 * lanes]);
+    detail::set_numbers(
+        {Solver::moment_matrix, static_cast<std::uint32_t>(count), static_cast<float>(out[lanes]),
+         static_cast<float>(out[2 * lanes]), static_cast<float>(out[3 * lanes])},
+        report);
     out += NodeRow<Scalar>::head * lanes;
     for (int c = 0; c < plan_.components; ++c) {
       fits_.values(at, c) = *out;

@@ -207,6 +207,9 @@ template <class Scalar>
 void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out,
                                 const Apply& how, std::uint32_t* limited) const {
   pattern_->require_current();  // first: the number of particles may have changed
+  detail::require_limit(how.limit);
+  require(how.data == Data::checked || how.data == Data::trusted, "data",
+          static_cast<int>(how.data), "must be an enumerator of recon::Data");
   require(field.size() == columns(), "size of the field", field.size(),
           "must be the number of particles");
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");

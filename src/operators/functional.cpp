@@ -11,8 +11,16 @@ using detail::require;
 using Powers = Functional::Powers;
 using Offset = Functional::Offset;
 
-void require_finite(const Offset& offset, const char* name) {
-  for (const double length : offset) require(std::isfinite(length), name, length, "must be finite");
+// No product of four such lengths underflows, nor of their halves.
+constexpr double least_length = 1e-75;
+
+void require_length(const Offset& offset, const char* name) {
+  for (const double length : offset) {
+    require(std::isfinite(length), name, length, "must be finite");
+    require(length == 0 || std::abs(length) >= least_length, name, length,
+            "must be 0, or 1e-75 and more, so that its powers do not underflow: choose another "
+            "unit of length");
+  }
 }
 
 void require_axes(const Offset& offset, int dimension, const char* name) {
@@ -46,7 +54,7 @@ double differentiated(const Powers& derivative, const Powers& powers, const Offs
 
 }  // namespace
 
-OwnFunctional detail::own_functional(OwnFunctional::Action action) {
+OwnFunctional OwnFunctional::of(Action action) {
   require(action.numbers >= 1, "numbers of the functional", action.numbers, "must be at least 1");
   require(static_cast<bool>(action.act), "action of the functional", "empty", "must be a function");
   return OwnFunctional([action = std::move(action)](int) { return action; });
@@ -98,7 +106,7 @@ std::vector<std::vector<Powers>> Functional::derivatives(int dimension) const {
 
 OwnFunctional Functional::at(std::vector<Offset> offsets) const {
   require(!offsets.empty(), "offsets", offsets.size(), "must be at least one");
-  for (const Offset& offset : offsets) require_finite(offset, "offset");
+  for (const Offset& offset : offsets) require_length(offset, "offset");
   return OwnFunctional([functional = *this, offsets = std::move(offsets)](int dimension) {
     for (const Offset& offset : offsets) require_axes(offset, dimension, "offset");
     const auto sums = functional.derivatives(dimension);
@@ -118,7 +126,7 @@ OwnFunctional Functional::at(std::vector<Offset> offsets) const {
 }
 
 OwnFunctional Functional::cell_average(const Offset& edges) {
-  require_finite(edges, "edge of the cell");
+  require_length(edges, "edge of the cell");
   for (const double edge : edges)
     require(edge >= 0, "edge of the cell", edge, "must not be negative");
   return OwnFunctional([edges](int dimension) {
@@ -133,7 +141,7 @@ OwnFunctional Functional::cell_average(const Offset& edges) {
 }
 
 OwnFunctional Functional::line_integral(const Offset& from, const Offset& to) {
-  for (const Offset& end : {from, to}) require_finite(end, "end of the line");
+  for (const Offset& end : {from, to}) require_length(end, "end of the line");
   return OwnFunctional([from, to](int dimension) {
     for (const Offset& end : {from, to}) require_axes(end, dimension, "end of the line");
     return OwnFunctional::Action{

@@ -17,6 +17,7 @@ Source source_of(const detail::ComponentFunctional& functional) {
   if (!built_in || built_in->order() > 2) return Source::polynomial;
   if (built_in->order() == 2) return Source::second_derivatives;
   if (built_in->order() == 0) return Source::values;
+  detail::require_derivative(built_in->slopes());
   return built_in->slopes() == Derivative::exact ? Source::exact_slopes : Source::diffuse_slopes;
 }
 

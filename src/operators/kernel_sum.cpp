@@ -109,6 +109,7 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
 double weight_integral(const WeightFunction& weight, WeightForm form, int dimension) {
   detail::require(dimension >= 1 && dimension <= max_dimension, "dimension", dimension,
                   "must be 1, 2 or 3");
+  detail::require_form(form);
   if (form == WeightForm::tensor_product) return std::pow(2 * radial_moment(weight, 0), dimension);
   constexpr std::array<double, max_dimension> unit_sphere{2, 2 * std::numbers::pi,
                                                           4 * std::numbers::pi};
@@ -120,6 +121,7 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
                                     const PointsView<Scalar>& targets,
                                     const KernelOptions& options) {
   const detail::Cloud<Scalar>& cloud = *sources.cloud();
+  detail::require_form(options.form);
   const NeighbourOptions search = detail::search_options(options, options.form);
   PointCloud<Scalar> at;
   cloud.take_targets(targets, "targets", options.threads, at);

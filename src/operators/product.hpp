@@ -86,14 +86,21 @@ RECON_INLINE void plain_sums(const Scalar* values, const ParticleIndex* indices,
   for (int j = 0; j < B * C; ++j) sums[j] = total[0][j];
 }
 
+// Of long rows, as a function of its own: the loops are compiled once for both uses.
+template <int B, int C, class Scalar, class Field>
+[[gnu::noinline]] void block_sums(const Scalar* values, const ParticleIndex* indices,
+                                  std::int64_t begin, std::int64_t end, const Field& field,
+                                  Scalar* sums) {
+  plain_sums<B, C, (B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1)>(values, indices, begin, end, field, sums);
+}
+
 template <int B, int C, class Scalar, class Field>
 void long_row_sums(const Scalar* values, const ParticleIndex* indices, std::int64_t begin,
                    std::int64_t end, const Field& field, Scalar* sums) {
-  constexpr int parts = B * C <= 2 ? 4 : B * C <= 4 ? 2 : 1;
   if (end - begin <= sum_block) [[likely]]
-    return plain_sums<B, C, parts>(values, indices, begin, end, field, sums);
+    return block_sums<B, C>(values, indices, begin, end, field, sums);
   add_many_blocks<B * C>(end - begin, sums, [&](std::int64_t from, std::int64_t to, Scalar* part) {
-    plain_sums<B, C, parts>(values, indices, begin + from, begin + to, field, part);
+    block_sums<B, C>(values, indices, begin + from, begin + to, field, part);
   });
 }
 
@@ -274,8 +281,7 @@ class Product {
   template <int B, int C, class Field>
   void narrow_rows(std::size_t begin, std::size_t end, const Field& field) const {
     if (limit_ != Limit::none || out_.separate())
-      return few_components<B, C>(begin, end, field,
-                                  [&](std::size_t row, Scalar* sums) { finish<B>(row, sums); });
+      return wide_rows<B, SideBySide<Scalar>>(begin, end);
     // The plain case: as little as possible beside the sums.
     std::byte* const out = static_cast<std::byte*>(out_.first(0));
     const std::ptrdiff_t next_target = out_.point_stride(), next = out_.component_stride();
@@ -291,8 +297,7 @@ class Product {
       }
     });
     if (zero == 0 || trusted_) return;
-    few_components<B, C>(begin, end, field,
-                         [&](std::size_t row, Scalar* sums) { finish<B>(row, sums); });
+    wide_rows<B, SideBySide<Scalar>>(begin, end);
   }
 
   template <int B, int C, class Field, class Finish>

@@ -134,6 +134,12 @@ void BasicReconstruction<Scalar>::update(const PointsView<Scalar>& targets,
 }
 
 template <class Scalar>
+void BasicReconstruction<Scalar>::update(const StructuredGrid<Scalar>& grid) {
+  grid.validate();
+  update(grid.nodes().view());
+}
+
+template <class Scalar>
 Scalar BasicReconstruction<Scalar>::fill() const {
   return static_cast<Scalar>(problem_->options().fill_value);
 }

@@ -1,5 +1,4 @@
-// The shape-function kernel for one dimension; compiled once per scalar and dimension
-// (kernel_*.cpp).
+// The shape-function kernel for one dimension; compiled once per scalar (kernel_*.cpp).
 //
 // Targets go through the lanes first, several at a time (lanes.hpp). Those that need a closer look,
 // and all targets of the solvers that have no lanes, are treated one by one.
@@ -10,22 +9,22 @@
 #include <vector>
 
 #include "core/pool.hpp"
-#include "recon/local_solve/local_solve.hpp"
+#include "local_solve/compiled_solve.hpp"
 #include "recon/shape/shape_kernel.hpp"
 #include "recon/shape/stencil.hpp"
 #include "shape/lanes.hpp"
 
 namespace recon::detail {
 
-template <class Scalar, int D, int R>
+template <class Scalar, int D>
 class Kernel final : public ShapeKernel<Scalar> {
-  using Basis = Monomials<D, R>;
-
  public:
   explicit Kernel(const ShapeChoice& choice)
       : choice_(choice),
-        lanes_(RECON_DISPATCH(choice.instruction_set, lane_functions<Scalar, D>)(R, choice.solver)),
-        weigh_(choice.weight.template function<Scalar>(choice.instruction_set)) {}
+        lanes_(RECON_DISPATCH(choice.instruction_set, lane_functions<Scalar, D>)(choice.degree,
+                                                                                 choice.solver)),
+        weigh_(choice.weight.template function<Scalar>(choice.instruction_set)),
+        full_(with_degree(choice.degree, [](auto r) { return report_of<Monomials<D, r>>({}); })) {}
 
   void evaluate(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
                 const ShapeRows<Scalar>& rows) const override {
@@ -37,8 +36,11 @@ class Kernel final : public ShapeKernel<Scalar> {
 
     for (std::size_t i = begin; i < end; ++i) {
       const LaneReport& lane = reports[i - begin];
-      const FitReport report =
-          lane.done ? report_of(lane) : buffers->single.evaluate(problem, i, rows);
+      FitReport report = full_;
+      if (lane.done)
+        set_numbers(lane.numbers, report);
+      else
+        report = buffers->single.evaluate(problem, i, rows);
       if (rows.report) rows.report[i] = report;
     }
   }
@@ -59,8 +61,9 @@ class Kernel final : public ShapeKernel<Scalar> {
    public:
     explicit Single(const ShapeChoice& choice)
         : choice_(choice),
-          solve_(choice.solver, choice.tolerances),
-          polynomial_(choice.tolerances) {}
+          solve_(make_solve<Scalar, D>(choice.degree, choice.solver, choice.tolerances)),
+          polynomial_(
+              make_solve<Scalar, D>(choice.degree, Solver::gram_schmidt, choice.tolerances)) {}
 
     FitReport evaluate(const ShapeProblem<Scalar>& problem, std::size_t t,
                        const ShapeRows<Scalar>& rows) {
@@ -74,14 +77,14 @@ class Kernel final : public ShapeKernel<Scalar> {
 
       gather(problem, t, rows.gradient && rows.kind == Derivative::exact);
       const LocalCloud<Scalar, D> cloud = stencil_.cloud();
-      const FitReport report = solve_.fit(cloud);
+      const FitReport report = solve_->fit(cloud);
       if (report.rank == 0) return report;
 
       const int n = cloud.size;
       values_.resize(static_cast<std::size_t>(n) * jet_size(D));
       const auto out =
           ShapeArrays<Scalar, D>::in(values_.data(), n, rows.kind, rows.gradient, rows.hessian);
-      solve_.shape_functions(cloud, out);
+      solve_->shape_functions(cloud, out);
 
       for (int p = 0; p < n; ++p) {
         const std::int64_t entry = row + stencil_.place(p);
@@ -104,30 +107,34 @@ class Kernel final : public ShapeKernel<Scalar> {
       std::fill_n(values, problem.neighbours.count(t) * rows.numbers, Scalar(0));
       gather(problem, t, false);
       const LocalCloud<Scalar, D> cloud = stencil_.cloud();
-      if (polynomial_.fit(cloud).rank == 0) return;
+      if (polynomial_->fit(cloud).rank == 0) return;
 
       act(problem, t, rows);
       values_.resize(static_cast<std::size_t>(cloud.size));
       for (std::size_t i = 0; i < numbers; ++i) {
-        polynomial_.result().shape_functions_of(on_monomials_.data() + i * Jets::size,
-                                                values_.data());
+        polynomial_->shape_functions_of(on_monomials_.data() + i * jets(), values_.data());
         for (int p = 0; p < cloud.size; ++p)
           values[static_cast<std::size_t>(stencil_.place(p)) * numbers + i] = values_[p];
       }
     }
 
    private:
-    // Sets on_monomials_[i * Jets::size + a] to what functional i makes of monomial a in xi.
+    // The number of Taylor coefficients of the polynomials.
+    std::size_t jets() const {
+      return static_cast<std::size_t>(monomial_count(D, std::max(choice_.degree, 2)));
+    }
+
+    // Sets on_monomials_[i * jets() + a] to what functional i makes of monomial a in xi.
     void act(const ShapeProblem<Scalar>& problem, std::size_t t,
              const FunctionalRows<Scalar>& rows) {
       const auto numbers = static_cast<std::size_t>(rows.numbers);
       const double rho = static_cast<double>(problem.neighbours.support[t]);
-      on_monomials_.assign(numbers * Jets::size, Scalar(0));
+      on_monomials_.assign(numbers * jets(), Scalar(0));
       action_.resize(numbers);
       largest_.assign(numbers, 0);
-      for (int a = 0; a < Basis::size; ++a) {
+      for (int a = 0; a < monomial_count(D, choice_.degree); ++a) {
         Powers powers{};
-        for (int d = 0; d < D; ++d) powers[d] = Basis::exponents[a][d];
+        for (int d = 0; d < D; ++d) powers[d] = Monomials<D, max_compiled_degree>::exponents[a][d];
         rows.action(t, powers, action_);
         for (std::size_t i = 0; i < numbers; ++i) {
           double scaled = action_[i];
@@ -137,7 +144,7 @@ class Kernel final : public ShapeKernel<Scalar> {
           const Scalar on_monomial = static_cast<Scalar>(scaled);
           require(is_finite(on_monomial), "functional of a monomial, in support radii", scaled,
                   "must be finite and in the range of the precision");
-          on_monomials_[i * Jets::size + a] = on_monomial;
+          on_monomials_[i * jets() + a] = on_monomial;
           largest_[i] = std::max(largest_[i], std::abs(scaled));
         }
       }
@@ -177,10 +184,7 @@ class Kernel final : public ShapeKernel<Scalar> {
 
     const ShapeChoice& choice_;
     Stencil<Scalar, D> stencil_;
-    LocalSolve<Scalar, Basis> solve_;
-    // With all Taylor coefficients of the polynomials.
-    using Jets = Monomials<D, std::max(R, 2)>;
-    GramSchmidt<Scalar, Basis, Jets::degree> polynomial_;
+    std::unique_ptr<CompiledSolve<Scalar, D>> solve_, polynomial_;
     std::vector<Scalar> values_, on_monomials_;
     std::vector<double> action_, largest_;
   };
@@ -217,6 +221,7 @@ class Kernel final : public ShapeKernel<Scalar> {
     task.weigh = weigh_;
     task.weight = choice_.weight.state();
     task.form = choice_.form;
+    task.solver = choice_.solver;
     task.begin = begin;
     task.end = end;
     task.rows = rows;
@@ -224,39 +229,29 @@ class Kernel final : public ShapeKernel<Scalar> {
     return task;
   }
 
-  FitReport report_of(const LaneReport& lane) const {
-    FitReport report;
-    report.solver = choice_.solver;
-    report.neighbours = lane.neighbours;
-    report.smallest_pivot = lane.smallest_pivot;
-    report.amplification = lane.amplification;
-    report.gradient_amplification = lane.gradient_amplification;
-    report_full<Basis>(report);
-    return report;
-  }
-
   ShapeChoice choice_;
   LaneFunctions<Scalar> lanes_;
   mutable Pool<Buffers> buffers_;
   typename WeightFunction::Function<Scalar> weigh_;
+  FitReport full_;  // on a target of the lanes, but for its numbers
 };
 
-template <class Scalar, int D>
-std::unique_ptr<ShapeKernel<Scalar>> make_kernel(const ShapeChoice& choice) {
-  switch (choice.degree) {
-    case 0:
-      return std::make_unique<Kernel<Scalar, D, 0>>(choice);
+}  // namespace recon::detail
+
+namespace recon {
+
+template <class Scalar>
+std::unique_ptr<ShapeKernel<Scalar>> make_shape_kernel(int dimension, const ShapeChoice& choice) {
+  switch (dimension) {
     case 1:
-      return std::make_unique<Kernel<Scalar, D, 1>>(choice);
+      return std::make_unique<detail::Kernel<Scalar, 1>>(choice);
     case 2:
-      return std::make_unique<Kernel<Scalar, D, 2>>(choice);
+      return std::make_unique<detail::Kernel<Scalar, 2>>(choice);
     case 3:
-      return std::make_unique<Kernel<Scalar, D, 3>>(choice);
-    case 4:
-      return std::make_unique<Kernel<Scalar, D, 4>>(choice);
+      return std::make_unique<detail::Kernel<Scalar, 3>>(choice);
     default:
-      throw_invalid("degree", choice.degree, "must be 0 to 4");
+      detail::throw_invalid("dimension", dimension, "must be 1, 2 or 3");
   }
 }
 
-}  // namespace recon::detail
+}  // namespace recon

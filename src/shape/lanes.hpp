@@ -9,14 +9,14 @@
 #include <cstdint>
 
 #include "core/dispatch.hpp"
+#include "recon/local_solve/fill_report.hpp"
 #include "recon/shape/shape_kernel.hpp"
 
 namespace recon::detail {
 
 struct LaneReport {
-  std::uint32_t neighbours = 0;  // with a weight
-  float smallest_pivot = 0, amplification = 0, gradient_amplification = 0;
-  bool done = false;  // else the target needs a closer look, and its rows are not written
+  FitNumbers numbers;  // neighbours: those with a weight
+  bool done = false;   // else the target needs a closer look, and its rows are not written
 };
 
 template <class Scalar>
@@ -35,6 +35,7 @@ struct LaneTask {
   typename WeightFunction::Function<Scalar> weigh = nullptr;
   const void* weight = nullptr;
   WeightForm form = WeightForm::radial;
+  Solver solver = Solver::gram_schmidt;
   std::size_t begin = 0, end = 0;  // targets
   ShapeRows<Scalar> rows{};        // reports are not written
   LaneReport* reports = nullptr;   // end - begin of them

@@ -13,15 +13,49 @@ namespace recon::RECON_SET {
 
 namespace {
 
-template <class Scalar, int D, template <class, class> class Fit, int R>
+// A fit of some degree by some solver: all else is the same code for all of them.
+template <class T, int D>
+struct LaneFit {
+  struct Outcome {
+    MaskOf<T> safe;  // with a gradient that is resolved; the rest holds there
+    T smallest_pivot, amplification, gradient_amplification;
+  };
+  void* fit;
+  void (*run)(void* fit, const LocalCloud<T, D>& cloud, Outcome& outcome);
+  void (*shape_functions)(void* fit, const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out);
+  void (*destroy)(void* fit);
+};
+
+template <class Fit, class T, int D>
+LaneFit<T, D> make_fit(const FitTolerances& tolerances) {
+  return {new Fit(tolerances),
+          [](void* fit, const LocalCloud<T, D>& cloud, typename LaneFit<T, D>::Outcome& outcome) {
+            Fit& own = *static_cast<Fit*>(fit);
+            outcome.safe = own.fit(cloud);
+            if (detail::any_lane(outcome.safe))
+              outcome.safe = outcome.safe && own.gradient_resolved();
+            outcome.smallest_pivot = own.smallest_pivot();
+            outcome.amplification = own.amplification();
+            outcome.gradient_amplification = own.gradient_amplification();
+          },
+          [](void* fit, const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) {
+            static_cast<Fit*>(fit)->shape_functions(cloud, out);
+          },
+          [](void* fit) { delete static_cast<Fit*>(fit); }};
+}
+
+template <class Scalar, int D>
 class Lanes {
   using T = Pack<Scalar>;
   static constexpr int lanes = LaneTraits<T>::lanes;
   static constexpr int seconds = D * (D + 1) / 2;
 
  public:
+  template <class Fit>
   static constexpr detail::LaneFunctions<Scalar> functions() {
-    return {[](const FitTolerances& tolerances) -> void* { return new Lanes(tolerances); },
+    return {[](const FitTolerances& tolerances) -> void* {
+              return new Lanes(make_fit<Fit, T, D>(tolerances));
+            },
             [](void* worker, const detail::LaneTask<Scalar>& task) {
               static_cast<Lanes*>(worker)->run(task);
             },
@@ -29,13 +63,16 @@ class Lanes {
   }
 
  private:
+  explicit Lanes(const LaneFit<T, D>& fit) : fit_(fit) {}
+  Lanes(const Lanes&) = delete;
+  Lanes& operator=(const Lanes&) = delete;
+  ~Lanes() { fit_.destroy(fit_.fit); }
+
   void run(const detail::LaneTask<Scalar>& task) {
     task_ = task;
     slopes_ = task.rows.gradient && task.rows.kind == Derivative::exact;
     for (std::size_t i = task.begin; i < task.end; i += lanes) group(i);
   }
-
-  explicit Lanes(const FitTolerances& tolerances) : fit_(tolerances) {}
 
   // A weight function takes arrays of packs as arrays of numbers.
   struct Weights {
@@ -80,23 +117,25 @@ class Lanes {
     fetch(i + lanes);
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
-    MaskOf<T> safe = fit_.fit(cloud);
-    if (detail::any_lane(safe)) safe = safe && fit_.gradient_resolved();
-    if (!detail::any_lane(safe)) return;
+    typename LaneFit<T, D>::Outcome outcome;
+    fit_.run(fit_.fit, cloud, outcome);
+    if (!detail::any_lane(outcome.safe)) return;
 
     values_.resize(static_cast<std::size_t>(most) * detail::jet_size(D));
     const auto out = ShapeArrays<T, D>::in(values_.data(), most, task_.rows.kind,
                                            task_.rows.gradient, task_.rows.hessian);
-    fit_.shape_functions(cloud, out);
+    fit_.shape_functions(fit_.fit, cloud, out);
     for (int l = 0; l < used; ++l) {
-      if (!safe[l]) continue;
+      if (!outcome.safe[l]) continue;
       scatter(l, out);
       detail::LaneReport& report = task_.reports[i + l - task_.begin];
-      report.neighbours = static_cast<std::uint32_t>(static_cast<Scalar>(stencil_.weighted()[l]));
-      report.smallest_pivot = static_cast<float>(static_cast<Scalar>(fit_.smallest_pivot()[l]));
-      report.amplification = static_cast<float>(static_cast<Scalar>(fit_.amplification()[l]));
-      report.gradient_amplification =
-          static_cast<float>(static_cast<Scalar>(fit_.gradient_amplification()[l]));
+      const auto number = [l](const T& lane) {
+        return static_cast<float>(static_cast<Scalar>(lane[l]));
+      };
+      report.numbers = {task_.solver,
+                        static_cast<std::uint32_t>(static_cast<Scalar>(stencil_.weighted()[l])),
+                        number(outcome.smallest_pivot), number(outcome.amplification),
+                        number(outcome.gradient_amplification)};
       report.done = true;
     }
   }
@@ -170,40 +209,41 @@ class Lanes {
   detail::LaneTask<Scalar> task_;
   bool slopes_ = false;
   Stencil<T, D> stencil_;
-  Fit<T, Monomials<D, R>> fit_;
+  LaneFit<T, D> fit_;
   std::vector<T> values_;
   std::array<std::int64_t, lanes> row_{};
   std::array<int, lanes> count_{};
 };
 
-template <class T, class B>
-using GramSchmidtLanes = RegularGramSchmidt<T, B>;
-
-template <class Scalar, int D, template <class, class> class Fit>
-detail::LaneFunctions<Scalar> of_degree(int degree) {
-  switch (degree) {
-    case 0:
-      return Lanes<Scalar, D, Fit, 0>::functions();
-    case 1:
-      return Lanes<Scalar, D, Fit, 1>::functions();
-    case 2:
-      return Lanes<Scalar, D, Fit, 2>::functions();
-    case 3:
-      return Lanes<Scalar, D, Fit, 3>::functions();
-    case 4:
-      return Lanes<Scalar, D, Fit, 4>::functions();
-    default:
-      return {};
-  }
+template <class Scalar, int D, int R>
+detail::LaneFunctions<Scalar> of_solver(Solver solver) {
+  using T = Pack<Scalar>;
+  using Basis = Monomials<D, R>;
+  if (solver == Solver::moment_matrix)
+    return Lanes<Scalar, D>::template functions<MomentMatrix<T, Basis>>();
+  if (solver == Solver::gram_schmidt)
+    return Lanes<Scalar, D>::template functions<RegularGramSchmidt<T, Basis>>();
+  return {};
 }
 
 }  // namespace
 
 template <class Scalar, int D>
 detail::LaneFunctions<Scalar> lane_functions(int degree, Solver solver) {
-  if (solver == Solver::moment_matrix) return of_degree<Scalar, D, MomentMatrix>(degree);
-  if (solver == Solver::gram_schmidt) return of_degree<Scalar, D, GramSchmidtLanes>(degree);
-  return {};
+  switch (degree) {
+    case 0:
+      return of_solver<Scalar, D, 0>(solver);
+    case 1:
+      return of_solver<Scalar, D, 1>(solver);
+    case 2:
+      return of_solver<Scalar, D, 2>(solver);
+    case 3:
+      return of_solver<Scalar, D, 3>(solver);
+    case 4:
+      return of_solver<Scalar, D, 4>(solver);
+    default:
+      return {};
+  }
 }
 
 }  // namespace recon::RECON_SET

@@ -23,9 +23,7 @@ void Options::validate() const {
           "tolerances.gradient_extent", tolerances.gradient_extent, "must be 0 or more, below 1");
   require(tolerances.leverage > 1, "tolerances.leverage", tolerances.leverage, "must exceed 1");
   require(threads >= 0, "threads", threads, "must not be negative (0: all there are)");
-  const WeightForm weight_form = form.value_or(WeightForm::radial);
-  require(weight_form == WeightForm::radial || weight_form == WeightForm::tensor_product, "form",
-          static_cast<int>(weight_form), "must be an enumerator of recon::WeightForm");
+  detail::require_form(form.value_or(WeightForm::radial));
   const Solver asked = solver.value_or(Solver::gram_schmidt);
   require(static_cast<int>(asked) <= static_cast<int>(Solver::svd), "solver",
           static_cast<int>(asked), "must be an enumerator of recon::Solver");

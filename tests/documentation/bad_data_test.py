@@ -78,6 +78,8 @@ TESTS = {
         ["operators.PeerFailures.SingularMomentMatrixIsNoticed"],
     "particles near a curve or a thin bowl, degree 2 or more":
         ["operators.RandomClouds.HessiansOfQuadraticsAreRightOrNone", "operators.ThinClouds.HessianOfAlmostFlatBowls"],
+    "too few particles for all second derivatives, or particles on a circle":
+        ["operators.HessianRank.CountsTheTermsThatAreKept"],
     "a functional of your own that gives NaN or leaves a number unwritten":
         ["operators.OwnFunctionalOptions.MistakesAreNamed"],
     "an option that sums over the cells of a grid cannot honour":

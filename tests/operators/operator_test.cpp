@@ -264,6 +264,17 @@ TEST(Reconstruct, OwnNeighbourList) {
     ASSERT_EQ(row.size(), list.of(t).size());
     for (std::size_t i = 0; i < row.size(); ++i) EXPECT_EQ(row.particle(i), list.of(t)[i]);
   }
+  // Options have a default here too: degree 1.
+  EXPECT_EQ(numbers_of(reconstruct(points_of(points), points_of(targets), list).values()),
+            numbers_of(reconstruct(points_of(points), points_of(targets), list, {}).values()));
+  list.shifts.assign(list.indices.size(), {});
+  EXPECT_EQ(numbers_of(reconstruct(points_of(points), points_of(targets), list, options).values()),
+            numbers_of(fit.values()));
+  list.shifts[7] = {0, 1, 0};
+  EXPECT_THAT(
+      message_of([&] { reconstruct(points_of(points), points_of(targets), list, options); }),
+      HasSubstr("shift of entry 7 along y = 1: must be 0 where the domain is not periodic"));
+  list.shifts.clear();
   list.indices[5] = 2000;
   EXPECT_THAT(
       message_of([&] { reconstruct(points_of(points), points_of(targets), list, options); }),

@@ -469,6 +469,10 @@ TEST(OwnFunctionalOptions, MistakesAreNamed) {
   EXPECT_THAT(message_of([&] { F::line_integral({0, 0}, {nan, 1}); }), HasSubstr("must be finite"));
   EXPECT_THAT(message_of([&] { F::value.at({{0, nan}}); }), HasSubstr("must be finite"));
   EXPECT_THAT(message_of([&] { F::value.at({}); }), HasSubstr("must be at least one"));
+  EXPECT_THAT(message_of([] { F::cell_average({1e-80, 1}); }), HasSubstr("underflow"));
+  EXPECT_THAT(message_of([] { F::line_integral({0, 0}, {-1e-80, 1}); }), HasSubstr("underflow"));
+  EXPECT_THAT(message_of([] { F::gradient.at({{0, 1e-80}}); }), HasSubstr("underflow"));
+  EXPECT_THAT(message_of([] { OwnFunctional::of({}); }), HasSubstr("must be a function"));
   EXPECT_THAT(message_of([&] {
                 fit.operators(F::cell_average({1, 1, 1}));
               }),

@@ -381,6 +381,38 @@ TEST(Reconstruction, TargetsAndEnumeratorsOutsideTheirRangeAreNamed) {
   options.search = static_cast<SearchMethod>(9);
   EXPECT_THAT(message_of([&] { reconstruct(points_of(points), points_of(points), options); }),
               HasSubstr("search = 9"));
+  const std::vector<double> u(points.size(), 1);
+  EXPECT_THAT(message_of([&] { fit.apply(field_of(u), {.limit = static_cast<Limit>(9)}); }),
+              HasSubstr("limit = 9"));
+  EXPECT_THAT(message_of([&] { fit.apply(field_of(u), {.data = static_cast<Data>(9)}); }),
+              HasSubstr("data = 9"));
+  const auto kind = static_cast<Derivative>(9);
+  EXPECT_THAT(message_of([&] { fit.gradient(kind); }), HasSubstr("derivative = 9"));
+  EXPECT_THAT(message_of([&] { fit.operators(Functional::divergence.with(kind)); }),
+              HasSubstr("derivative = 9"));
+  EXPECT_THAT(message_of([&] {
+                kernel_operator(Sources(points_of(points)), points_of(points),
+                                {.form = static_cast<WeightForm>(9)});
+              }),
+              HasSubstr("form = 9"));
+}
+
+// The supports stay those of the first grid: an update asks for other targets, not for another rule.
+TEST(Reconstruction, UpdatesToAnotherGrid) {
+  const auto points = random_points<double, 2>(400, 1);
+  const auto coarse = covering_grid<double>({{0, 0, 0}, {1, 1, 0}, 2}, 0.25);
+  const auto fine = covering_grid<double>({{0, 0, 0}, {1, 1, 0}, 2}, 0.125);
+  Reconstruction fit = reconstruct(points_of(points), coarse, {.degree = 1});
+  const double support = fit.support(0);
+  fit.update(fine);
+  Options options{.degree = 1, .neighbours = Radius{support}};
+  const Reconstruction anew = reconstruct(points_of(points), fine, options);
+  std::vector<double> u;
+  for (const auto& x : points) u.push_back(std::sin(3 * x[0]) * x[1]);
+  EXPECT_EQ(fit.apply(field_of(u)), anew.apply(field_of(u)));
+  StructuredGrid<double> broken = fine;
+  broken.spacing[1] = -1;
+  EXPECT_THAT(message_of([&] { fit.update(broken); }), HasSubstr("spacing"));
 }
 
 }  // namespace

@@ -175,6 +175,12 @@ TEST_F(MpmProgram, OneClaimIsVerified) {
 }
 
 // Gong 2015, chapter 7, with the re-mapping taken into account.
+// The usage names the arguments that a command takes, and no others.
+TEST_F(MpmProgram, UsageNamesTheArguments) {
+  EXPECT_THAT(succeed("run --help"), HasSubstr("Usage: recon-mpm run FILE [OPTIONS]\n"));
+  EXPECT_THAT(succeed("stability --help"), HasSubstr("Usage: recon-mpm stability [OPTIONS]\n"));
+}
+
 TEST_F(MpmProgram, StabilityLimits) {
   const std::string text = succeed("stability --methods mpm,improved_cpdi --particles 1,4");
   EXPECT_THAT(text, HasSubstr("0.707"));

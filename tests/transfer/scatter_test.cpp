@@ -19,7 +19,11 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 template <class T>
 class Transfer : public ::testing::Test {};
+#ifdef RECON_SANITIZED  // under sanitizers the compiler takes minutes for each dimension
+TYPED_TEST_SUITE(Transfer, ::testing::Types<Dimension<3>>);
+#else
 TYPED_TEST_SUITE(Transfer, AllDimensions);
+#endif
 
 // Particles in the unit box, those of every fifth exactly on faces and edges of cells.
 template <int D>

@@ -18,9 +18,24 @@
 
 #include "recon/core/unroll.hpp"
 
+// A constexpr array that is indexed while the program runs. Device code cannot see the host's, but
+// has copies.
+#if defined(__CUDA_ARCH__)
+#define RECON_TABLE(table)       \
+  ([] {                          \
+    constexpr auto copy = table; \
+    return copy;                 \
+  }())
+#else
+#define RECON_TABLE(table) (table)
+#endif
+
 namespace recon {
 
 namespace detail {
+
+// Loops over more terms than these are left to the compiler.
+inline constexpr int most_unrolled = 35;
 
 constexpr int term_count(int dimension, int degree) {
   if (degree < 0) return 0;
@@ -83,21 +98,31 @@ struct Monomials {
     return left <= R ? place : -1;
   }
 
+  // exponents[j], in device code too.
+  static constexpr Exponents exponents_of(int j) { return RECON_TABLE(exponents)[j]; }
+
   // values[j] = factor * xi^exponents[j] for all terms, each by one product with an earlier term.
   template <class T>
   RECON_INLINE static constexpr void evaluate(const std::array<T, D>& xi, T* values,
                                               const T& factor = T(1)) {
     values[0] = factor;
-    detail::unroll<size - 1>([&](auto i) RECON_INLINE_LAMBDA {
-      constexpr Step step = steps[i + 1];
-      values[i + 1] = values[step.parent] * xi[step.axis];
-    });
+    if constexpr (size <= detail::most_unrolled) {
+      detail::unroll<size - 1>([&](auto i) RECON_INLINE_LAMBDA {
+        constexpr Step step = steps[i + 1];
+        values[i + 1] = values[step.parent] * xi[step.axis];
+      });
+    } else {
+      for (int j = 1; j < size; ++j) {
+        const Step step = RECON_TABLE(steps)[j];
+        values[j] = values[step.parent] * xi[step.axis];
+      }
+    }
   }
 
   // The coefficients of prod_d (forms[d] . xi)^e_d, a product of linear forms, of degree at most R.
   template <class T>
-  static std::array<T, size> of_forms(const Exponents& e,
-                                      const std::array<std::array<T, D>, D>& forms) {
+  static constexpr std::array<T, size> of_forms(const Exponents& e,
+                                                const std::array<std::array<T, D>, D>& forms) {
     std::array<T, size> product{};
     product[0] = T(1);
     int k = 0;
@@ -105,7 +130,7 @@ struct Monomials {
       for (int i = 0; i < e[d]; ++i, ++k)
         for (int j = begin(k); j < begin(k + 1); ++j) {
           for (int axis = 0; axis < D; ++axis) {
-            Exponents up = exponents[j];
+            Exponents up = exponents_of(j);
             ++up[axis];
             product[find(up)] += product[j] * forms[d][axis];
           }

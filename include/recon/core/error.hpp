@@ -12,6 +12,14 @@
 #include <string_view>
 #include <utility>
 
+// A call that throws, in a function that may be compiled for a GPU as well. Device code cannot
+// throw: wrong input ends the kernel there, with an error that the host's next call sees.
+#if defined(__CUDA_ARCH__)
+#define RECON_REFUSE(call) __trap()
+#else
+#define RECON_REFUSE(call) call
+#endif
+
 namespace recon {
 
 // Thrown for wrong input. what() reads "<argument> = <value>: <rule>".
@@ -51,9 +59,9 @@ template <class Value>
 
 // Throws InvalidArgument(argument, value, rule) unless `holds`. Its texts are built only then.
 template <class Value>
-void require(bool holds, const char* argument, const Value& value, const char* rule) {
+constexpr void require(bool holds, const char* argument, const Value& value, const char* rule) {
   if (!holds) [[unlikely]]
-    throw_invalid(argument, value, rule);
+    RECON_REFUSE(throw_invalid(argument, value, rule));
 }
 
 }  // namespace detail

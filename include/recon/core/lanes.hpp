@@ -8,6 +8,12 @@
 // all lanes agree, it asks any_lane() or all_lanes().
 #pragma once
 
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "recon/core/unroll.hpp"
+
 namespace recon {
 
 template <class T>
@@ -51,6 +57,29 @@ constexpr T constant(double value) {
 template <class T>
 constexpr bool is_finite(const T& value) {
   return value - value == T(0);
+}
+
+// sqrt() of the built-in numbers where constants are evaluated, to a rounding (Newton's iteration).
+template <class T>
+constexpr T constant_square_root(const T& x) {
+  if (!(x > T(0)) || x > std::numeric_limits<T>::max())
+    return x < T(0) ? std::numeric_limits<T>::quiet_NaN() : x;
+  T root = T(1);
+  while (root * root < x) root *= T(2);
+  while (root * T(0.25) * root > x) root *= T(0.5);
+  for (T next = T(0.5) * (root + x / root);; next = T(0.5) * (root + x / root)) {
+    if (!(next < root)) return root;
+    root = next;
+  }
+}
+
+// The square root, found by the argument's type; for built-in numbers in constant expressions too.
+template <class T>
+RECON_INLINE constexpr T square_root(const T& x) {
+  if constexpr (std::is_floating_point_v<T>)
+    if (__builtin_is_constant_evaluated()) return constant_square_root(x);
+  using std::sqrt;
+  return T(sqrt(x));
 }
 
 // The number of one lane as a report holds it.

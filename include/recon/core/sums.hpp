@@ -33,7 +33,7 @@ RECON_INLINE constexpr void add_keeping_rounding(const T& term, T& total, T& los
 // The sum of more than one block. It is a function of its own so that sums of one block
 // stay a short loop.
 template <int N, class T, class Index, class Add>
-[[gnu::noinline]] void add_many_blocks(Index count, T* sums, const Add& add) {
+[[gnu::noinline]] constexpr void add_many_blocks(Index count, T* sums, const Add& add) {
   T lost[N], part[N];
   for (int i = 0; i < N; ++i) lost[i] = T(0);
   for (int i = 0; i < N; ++i) part[i] = sums[i];
@@ -52,7 +52,7 @@ template <int N, class T, class Index, class Add>
 // Adds the terms 0 <= p < count to the N sums. add(begin, end, part) adds the terms begin <= p <
 // end to part[0 .. N - 1].
 template <int N, class T, class Index, class Add>
-RECON_INLINE void add_in_blocks(Index count, T* sums, const Add& add) {
+RECON_INLINE constexpr void add_in_blocks(Index count, T* sums, const Add& add) {
   if (count <= Index(sum_block)) [[likely]] {
     add(Index(0), count, sums);
     return;
@@ -65,7 +65,7 @@ RECON_INLINE void add_in_blocks(Index count, T* sums, const Add& add) {
 
 // The sum of term(p) over 0 <= p < count.
 template <class T, class Index, class Term>
-RECON_INLINE T sum_of(Index count, const Term& term) {
+RECON_INLINE constexpr T sum_of(Index count, const Term& term) {
   T sum = T(0);
   add_in_blocks<1>(count, &sum, [&](Index begin, Index end, T* part) RECON_INLINE_LAMBDA {
     for (Index p = begin; p < end; ++p) part[0] += term(p);

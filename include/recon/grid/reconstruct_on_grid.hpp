@@ -66,6 +66,12 @@ struct GridApply {
   // Keeps each value in or near the range of the data in its support (operators/limit.hpp).
   // Gradients are never limited.
   Limit limit = Limit::none;
+
+  // Throws InvalidArgument for numbers that are no enumerators.
+  void validate() const {
+    if (gradients) detail::require_derivative(*gradients);
+    detail::require_limit(limit);
+  }
 };
 
 // Values, gradients and reports at the nodes, in the order of the nodes of StructuredGrid. One that

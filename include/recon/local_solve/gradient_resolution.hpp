@@ -29,6 +29,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "recon/core/lanes.hpp"
 
 namespace recon::detail {
 
@@ -43,9 +46,9 @@ struct GradientResolution {
   // of G_j along the directions found, which are orthogonal to each other. Of the D directions only
   // `linear` have a slope at all: those along which linear terms were kept. Directions n whose
   // a(n)^2 exceeds `limit2` are dropped.
-  static GradientResolution of(const std::array<T*, D>& slope, int count, const T& weight_sum,
-                               int linear, const T& limit2) {
-    using std::abs, std::sqrt;
+  static constexpr GradientResolution of(const std::array<T*, D>& slope, int count,
+                                         const T& weight_sum, int linear, const T& limit2) {
+    using std::abs;
     std::array<std::array<T, D>, D> turned{};  // rows: the directions
     for (int d = 0; d < D; ++d) turned[d][d] = T(1);
     const T tolerance = T(4) * std::numeric_limits<T>::epsilon();
@@ -57,11 +60,12 @@ struct GradientResolution {
           const T xx = square(slope[a], count), yy = square(slope[b], count);
           T xy = T(0);
           for (int j = 0; j < count; ++j) xy += slope[a][j] * slope[b][j];
-          if (!(T(abs(xy)) > T(tolerance * sqrt(xx) * sqrt(yy)))) continue;
+          if (!(T(abs(xy)) > T(tolerance * square_root(xx) * square_root(yy)))) continue;
           done = false;
           const T zeta = (yy - xx) / (T(2) * xy);
-          const T t = (zeta >= T(0) ? T(1) : T(-1)) / T(abs(zeta) + sqrt(T(1) + zeta * zeta));
-          const T c = T(1) / T(sqrt(T(1) + t * t)), s = c * t;
+          const T t =
+              (zeta >= T(0) ? T(1) : T(-1)) / T(abs(zeta) + square_root(T(T(1) + zeta * zeta)));
+          const T c = T(1) / square_root(T(T(1) + t * t)), s = c * t;
           const auto turn = [&](T* u, T* v, int n) {
             for (int i = 0; i < n; ++i) {
               const T first = u[i];
@@ -78,8 +82,9 @@ struct GradientResolution {
     for (int d = 0; d < D; ++d) {
       a2[d] = weight_sum * square(slope[d], count);
       order[d] = d;
+      for (int i = d; i > 0 && a2[order[i]] > a2[order[i - 1]]; --i)
+        std::swap(order[i], order[i - 1]);
     }
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return a2[a] > a2[b]; });
     GradientResolution found;
     std::array<T, D> left{};
     for (int i = 0; i < linear; ++i) {
@@ -97,7 +102,7 @@ struct GradientResolution {
   }
 
   // The part of a vector in the resolved directions.
-  std::array<T, D> project(const std::array<T, D>& vector) const {
+  constexpr std::array<T, D> project(const std::array<T, D>& vector) const {
     std::array<T, D> part{};
     for (int d = 0; d < D; ++d)
       for (int e = 0; e < D; ++e) part[d] += projector[d][e] * vector[e];
@@ -105,7 +110,7 @@ struct GradientResolution {
   }
 
  private:
-  static T square(const T* a, int n) {
+  static constexpr T square(const T* a, int n) {
     T sum = T(0);
     for (int i = 0; i < n; ++i) sum += a[i] * a[i];
     return sum;

@@ -16,8 +16,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <vector>
 
+#include "recon/core/error.hpp"
 #include "recon/core/lanes.hpp"
 #include "recon/local_solve/report.hpp"
 
@@ -36,7 +36,7 @@ struct LocalCloud {
   T noise =
       T(std::numeric_limits<ScalarOf<T>>::epsilon());  // rounding of xi: eps (|x| + rho) / rho
 
-  std::array<T, D> at(int p) const {
+  constexpr std::array<T, D> at(int p) const {
     std::array<T, D> x;
     for (int d = 0; d < D; ++d) x[d] = xi[d][p];
     return x;
@@ -57,6 +57,13 @@ struct FitTolerances {
 // Which derivatives of the shape functions to form.
 enum class Derivative { diffuse, exact };
 
+namespace detail {
+constexpr void require_derivative(Derivative kind) {
+  require(kind == Derivative::diffuse || kind == Derivative::exact, "kind of derivative",
+          static_cast<int>(kind), "must be an enumerator of recon::Derivative");
+}
+}  // namespace detail
+
 // The results, n entries in each array; null pointers are not written. Gradients have the unit
 // 1/length. Hessians (diffuse only) have 1/length^2 and the entries xx, xy, xz, yy, yz, zz as far
 // as the dimension has them.
@@ -68,7 +75,7 @@ struct ShapeArrays {
   Derivative kind = Derivative::exact;
 
   // Lays arrays of n numbers side by side in `memory`, which must hold jet_size(D) of them.
-  static ShapeArrays in(T* memory, int n, Derivative kind, bool gradient, bool hessian) {
+  static constexpr ShapeArrays in(T* memory, int n, Derivative kind, bool gradient, bool hessian) {
     ShapeArrays out;
     out.kind = kind;
     out.value = memory;
@@ -78,8 +85,8 @@ struct ShapeArrays {
     return out;
   }
 
-  bool wants_gradient() const { return gradient[0] != nullptr; }
-  bool wants_hessian() const { return hessian[0] != nullptr; }
+  constexpr bool wants_gradient() const { return gradient[0] != nullptr; }
+  constexpr bool wants_hessian() const { return hessian[0] != nullptr; }
 };
 
 namespace detail {
@@ -97,23 +104,22 @@ struct Thresholds {
   T clear2;            // (||p|| / ||q||)^2 above: clearly resolved, no closer look needed
   T well_conditioned;  // as clear2, for the moment matrix, which loses digits as 1 / pivot
 
-  Thresholds(const FitTolerances& tolerances, const T& noise) {
-    using std::sqrt;
+  constexpr Thresholds(const FitTolerances& tolerances, const T& noise) {
     using Scalar = ScalarOf<T>;
     const Scalar eps = std::numeric_limits<Scalar>::epsilon();
-    const Scalar root = Scalar(sqrt(eps));
+    const Scalar root = square_root(eps);
     const T rounding = T(Scalar(rounding_margin)) * larger(noise, T(eps));
     drop = larger(T(static_cast<Scalar>(tolerances.rank)), rounding);
     const T margin = T(Scalar(100)) * drop * drop;
     clear2 = larger(margin, T(root));
-    well_conditioned = larger(margin, T(Scalar(sqrt(root))));  // a quarter of the digits may go
+    well_conditioned = larger(margin, T(square_root(root)));  // a quarter of the digits may go
   }
 };
 
 // The square of the largest amplification, in units of the support, of a slope that is resolved in
 // a fit of this degree: gradient_resolution.hpp.
 template <class Scalar>
-Scalar gradient_limit2(const FitTolerances& tolerances, int degree) {
+constexpr Scalar gradient_limit2(const FitTolerances& tolerances, int degree) {
   const Scalar extent = static_cast<Scalar>(tolerances.gradient_extent);
   const Scalar limit = static_cast<Scalar>(degree * degree) / extent;
   return extent > Scalar(0) ? Scalar(limit * limit) : std::numeric_limits<Scalar>::max();
@@ -123,34 +129,6 @@ Scalar gradient_limit2(const FitTolerances& tolerances, int degree) {
 // of degree <= 2.
 constexpr int jet_size(int dimension) {
   return 1 + dimension + dimension * (dimension + 1) / 2;
-}
-
-// Fills the parts of a report that follow from how many directions of each degree were kept.
-template <class B>
-void finish_report(FitReport& report) {
-  static_assert(B::degree <= FitReport::max_degree,
-                "recon: the degree of the basis exceeds FitReport::max_degree");
-  int rank = 0, degree = -1;
-  bool complete = true;
-  for (int k = 0; k <= B::degree; ++k) {
-    rank += report.kept[k];
-    complete = complete && report.kept[k] == B::begin(k + 1) - B::begin(k);
-    if (complete) degree = k;
-  }
-  report.rank = static_cast<std::uint8_t>(rank);
-  report.degree = static_cast<std::int8_t>(degree);
-  report.gradient_rank = B::degree >= 1 ? B::dimension : 0;
-  report.hessian_rank = rank > report.kept[0] + report.kept[1] ? report.gradient_rank : 0;
-  report.status = degree == B::degree ? FitStatus::full
-                  : degree >= 0       ? FitStatus::reduced
-                                      : FitStatus::no_support;
-}
-
-template <class B>
-void report_full(FitReport& report) {
-  for (int k = 0; k <= B::degree; ++k)
-    report.kept[k] = static_cast<std::uint8_t>(B::begin(k + 1) - B::begin(k));
-  finish_report<B>(report);
 }
 
 }  // namespace detail

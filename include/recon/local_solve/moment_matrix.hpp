@@ -16,8 +16,8 @@
 // returns excludes them.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "recon/basis/monomials.hpp"
@@ -37,56 +37,61 @@ class MomentMatrix {
   using Vector = std::array<T, m>;
   using Moments = std::array<T, moment_count>;  // ordered as Monomials<D, 2 degree>
 
-  explicit MomentMatrix(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
+  constexpr explicit MomentMatrix(FitTolerances tolerances = {}) : tolerances_(tolerances) {}
 
   // Builds and factorises M from the particles. False where the target must be handed over.
-  Mask fit(const LocalCloud<T, D>& cloud) {
+  constexpr Mask fit(const LocalCloud<T, D>& cloud) {
     if constexpr (detail::is_monomials<B>) {
       return factor(moments_of(cloud), cloud.noise);
     } else {
-      lower_ = {};
-      detail::add_in_blocks<m * m>(cloud.size, lower_[0].data(), [&](int begin, int end, T* part) {
+      std::array<T, m * m> sums{};
+      detail::add_in_blocks<m * m>(cloud.size, sums.data(), [&](int begin, int end, T* part) {
         for (int p = begin; p < end; ++p) {
           const Vector terms = evaluate(cloud, p);
           for (int i = 0; i < m; ++i)
             for (int j = 0; j <= i; ++j) part[i * m + j] += cloud.w[p] * terms[i] * terms[j];
         }
       });
+      for (int i = 0; i < m; ++i) std::copy_n(sums.data() + i * m, m, lower_[i].data());
       return factor(cloud.noise);
     }
   }
 
   // Factorises M from moments summed elsewhere: moments[a] = sum_p w_p xi_p^alpha, alpha being the
   // exponents of term a of Monomials<D, 2 degree>.
-  Mask factor(const Moments& moments, const T& noise) requires detail::is_monomials<B> {
-    detail::unroll<m>([&](auto i) RECON_INLINE_LAMBDA {
-      detail::unroll<i + 1>([&](auto j)
-                                RECON_INLINE_LAMBDA { lower_[i][j] = moments[place(i, j)]; });
-    });
+  constexpr Mask factor(const Moments& moments, const T& noise) requires detail::is_monomials<B> {
+    if constexpr (m <= detail::most_unrolled / 3) {
+      detail::unroll<m>([&](auto i) RECON_INLINE_LAMBDA {
+        detail::unroll<i + 1>([&](auto j)
+                                  RECON_INLINE_LAMBDA { lower_[i][j] = moments[place(i, j)]; });
+      });
+    } else {
+      for (int i = 0; i < m; ++i)
+        for (int j = 0; j <= i; ++j) lower_[i][j] = moments[RECON_TABLE(places)[i][j]];
+    }
     return factor(noise);
   }
 
   // Whether the slope is clearly resolved in all directions (gradient_resolution.hpp), a question
   // apart from whether M is safe; and where it is, FitReport::gradient_amplification.
-  const Mask& gradient_resolved() const { return gradient_resolved_; }
-  const T& gradient_amplification() const { return gradient_amplification_; }
+  constexpr const Mask& gradient_resolved() const { return gradient_resolved_; }
+  constexpr const T& gradient_amplification() const { return gradient_amplification_; }
   // D^-1/2 L^-1 times the scaled gradients at the target: the G_j of gradient_resolution.hpp.
-  std::array<std::array<T, D>, m> slopes() const {
-    using std::sqrt;
+  constexpr std::array<std::array<T, D>, m> slopes() const {
     std::array<std::array<T, D>, m> g{};
     reduce_slopes(g);
     for (int k = 0; k < m; ++k)
-      for (T& component : g[k]) component *= sqrt(inverse_[k]);
+      for (T& component : g[k]) component *= detail::square_root(inverse_[k]);
     return g;
   }
   // FitReport::smallest_pivot and FitReport::amplification.
-  const T& smallest_pivot() const { return smallest_; }
-  const T& amplification() const { return amplification_; }
+  constexpr const T& smallest_pivot() const { return smallest_; }
+  constexpr const T& amplification() const { return amplification_; }
   // The solution of M c = m(0): phi_p = w_p m_p^T c.
-  const Vector& coefficients() const { return value_; }
+  constexpr const Vector& coefficients() const { return value_; }
 
   // Returns M^-1 b.
-  Vector solve(Vector b) const {
+  constexpr Vector solve(Vector b) const {
     for (int i = 0; i < m; ++i) {
       b[i] *= scale_[i];
       for (int k = 0; k < i; ++k) b[i] -= lower_[i][k] * b[k];
@@ -98,16 +103,18 @@ class MomentMatrix {
     return b;
   }
 
-  void shape_functions(const LocalCloud<T, D>& cloud, const ShapeArrays<T, D>& out) const {
+  constexpr void shape_functions(const LocalCloud<T, D>& cloud,
+                                 const ShapeArrays<T, D>& out) const {
     const int n = cloud.size;
     std::array<Vector, D> first{};  // M^-1 (dm(0) - sum_q dw_q lambda_q m_q)
     constexpr int seconds = D * (D + 1) / 2;
     std::array<Vector, seconds> second{};
     if (out.wants_gradient()) {
+      std::array<T, D * m> sides;
       for (int d = 0; d < D; ++d)
-        for (int j = 0; j < m; ++j) first[d][j] = T(Scalar(B::origin(j, 1 + d))) / cloud.rho;
+        for (int j = 0; j < m; ++j) sides[d * m + j] = T(Scalar(B::origin(j, 1 + d))) / cloud.rho;
       if (out.kind == Derivative::exact)
-        detail::add_in_blocks<D * m>(n, first[0].data(),
+        detail::add_in_blocks<D * m>(n, sides.data(),
                                      [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
                                        for (int p = begin; p < end; ++p) {
                                          const Vector terms = evaluate(cloud, p);
@@ -119,7 +126,10 @@ class MomentMatrix {
                                          }
                                        }
                                      });
-      for (int d = 0; d < D; ++d) first[d] = solve(first[d]);
+      for (int d = 0; d < D; ++d) {
+        std::copy_n(sides.data() + d * m, m, first[d].data());
+        first[d] = solve(first[d]);
+      }
     }
     if (out.wants_hessian()) {
       int entry = 0;
@@ -149,7 +159,7 @@ class MomentMatrix {
   using Scalar = ScalarOf<T>;
 
   // L^-1 times the scaled derivatives of the terms along each axis at the target.
-  RECON_INLINE void reduce_slopes(std::array<std::array<T, D>, m>& g) const {
+  RECON_INLINE constexpr void reduce_slopes(std::array<std::array<T, D>, m>& g) const {
     constexpr int first = detail::is_monomials<B> ? 1 : 0;  // the constant has none
     for (int i = first; i < m; ++i) {
       for (int d = 0; d < D; ++d) g[i][d] = T(Scalar(B::origin(i, 1 + d))) * scale_[i];
@@ -158,26 +168,30 @@ class MomentMatrix {
     }
   }
 
-  RECON_INLINE static T dot(const Vector& a, const Vector& b) {
+  RECON_INLINE static constexpr T dot(const Vector& a, const Vector& b) {
     T sum = a[0] * b[0];
     for (int j = 1; j < m; ++j) sum += a[j] * b[j];
     return sum;
   }
 
-  RECON_INLINE static Vector evaluate(const LocalCloud<T, D>& cloud, int p) {
+  RECON_INLINE static constexpr Vector evaluate(const LocalCloud<T, D>& cloud, int p) {
     Vector terms;
     B::evaluate(cloud.at(p), terms.data());
     return terms;
   }
 
-  static Moments moments_of(const LocalCloud<T, D>& cloud) {
+  static constexpr Moments moments_of(const LocalCloud<T, D>& cloud) {
     Moments moments{};
     detail::add_in_blocks<moment_count>(
         cloud.size, moments.data(), [&](int begin, int end, T* part) RECON_INLINE_LAMBDA {
           for (int p = begin; p < end; ++p) {
             Moments powers;
             Monomials<D, 2 * B::degree>::evaluate(cloud.at(p), powers.data(), cloud.w[p]);
-            detail::unroll<moment_count>([&](auto a) RECON_INLINE_LAMBDA { part[a] += powers[a]; });
+            if constexpr (moment_count <= detail::most_unrolled)
+              detail::unroll<moment_count>([&](auto a)
+                                               RECON_INLINE_LAMBDA { part[a] += powers[a]; });
+            else
+              for (int a = 0; a < moment_count; ++a) part[a] += powers[a];
           }
         });
     return moments;
@@ -190,8 +204,16 @@ class MomentMatrix {
     return Monomials<D, 2 * B::degree>::find(e);
   }
 
+  static constexpr std::array<std::array<std::uint16_t, m>, m> places = [] {
+    std::array<std::array<std::uint16_t, m>, m> all{};
+    if constexpr (detail::is_monomials<B>)
+      for (int i = 0; i < m; ++i)
+        for (int j = 0; j <= i; ++j) all[i][j] = static_cast<std::uint16_t>(place(i, j));
+    return all;
+  }();
+
   // Factorises M as L D L^T, in place of its lower triangle, and sets all that is asked about it.
-  Mask factor(const T& noise) {
+  constexpr Mask factor(const T& noise) {
     const T weight_sum = lower_[0][0];
     const detail::Thresholds<T> thresholds(tolerances_, noise);
     const T& regular = thresholds.well_conditioned;
@@ -200,9 +222,8 @@ class MomentMatrix {
     for (int j = 1; j < B::begin(2) && B::degree >= 1; ++j) safe = safe && lower_[j][j] > shortest;
 
     for (int i = 0; i < m; ++i) {
-      using std::sqrt;
       safe = safe && lower_[i][i] > T(0);
-      scale_[i] = T(1) / sqrt(detail::select(safe, lower_[i][i], T(1)));
+      scale_[i] = T(1) / detail::square_root(detail::select(safe, lower_[i][i], T(1)));
     }
     smallest_ = T(1);
     for (int j = 0; j < m; ++j) {
@@ -224,14 +245,13 @@ class MomentMatrix {
       if (!detail::any_lane(safe)) return safe;
     }
 
-    using std::sqrt;
     Vector unit{};
     for (int j = 0; j < m; ++j) unit[j] = T(Scalar(B::origin(j, 0)));
     value_ = solve(unit);
     T christoffel = T(0);
     for (int j = 0; j < m; ++j) christoffel += unit[j] * value_[j];
     const T amplification2 = detail::select(safe, weight_sum * christoffel, T(0));
-    amplification_ = sqrt(amplification2);
+    amplification_ = detail::square_root(amplification2);
     std::array<T, D> slopes2{};
     if constexpr (B::degree >= 1) {
       std::array<std::array<T, D>, m> g;
@@ -245,7 +265,7 @@ class MomentMatrix {
       total += slope2;
       largest = detail::larger(slope2, largest);
     }
-    gradient_amplification_ = sqrt(detail::select(safe, weight_sum * largest, T(0)));
+    gradient_amplification_ = detail::square_root(detail::select(safe, weight_sum * largest, T(0)));
     gradient_resolved_ =
         weight_sum * total <= T(detail::gradient_limit2<Scalar>(tolerances_, B::degree));
     const auto limit = static_cast<Scalar>(tolerances_.leverage);

@@ -25,12 +25,14 @@ enum class FitStatus : std::uint8_t {
 
 constexpr std::string_view name_of(Solver solver) {
   constexpr std::array<std::string_view, 4> names{"moment_matrix", "gram_schmidt", "qr", "svd"};
-  return names[static_cast<std::size_t>(solver)];
+  const auto place = static_cast<std::size_t>(solver);
+  return place < names.size() ? names[place] : "unknown";
 }
 constexpr std::string_view name_of(FitStatus status) {
   constexpr std::array<std::string_view, 5> names{"full", "reduced", "nearest", "no_support",
                                                   "too_far"};
-  return names[static_cast<std::size_t>(status)];
+  const auto place = static_cast<std::size_t>(status);
+  return place < names.size() ? names[place] : "unknown";
 }
 
 struct FitReport {
@@ -46,11 +48,14 @@ struct FitReport {
   // gradient() is 0 in the others. It is below the dimension on lines and in sheets, however
   // noisy, and 0 at degree 0.
   std::uint8_t gradient_rank = 0;
-  // The number of directions in which second derivatives are resolved: hessian() is 0 in the
-  // others. It is gradient_rank, or 0: where second derivatives cannot be told from a slope that is
-  // not resolved (on a thin bowl, or where the particles lie near a curve by chance), and where
-  // there are none: at degree 0 and 1, and where sums over a grid formed the fit. Where `degree` is
-  // below 2, second derivatives are those of the terms that `kept` counts, whatever stands here.
+  // The number of directions in which all second derivatives are resolved. It is gradient_rank, and
+  // hessian() is 0 in the other directions; or it is 0,
+  // - where there are none: at degree 0 and 1, and where sums over a grid formed the fit,
+  // - where they cannot be told from a slope that is not resolved (on a thin bowl, or where the
+  //   particles lie near a curve by chance): hessian() is 0 there,
+  // - where fewer second-degree terms are kept than gradient_rank directions have, r (r + 1) / 2
+  //   (four particles; particles on a circle): hessian() is what the kept terms tell of it, not the
+  //   whole of it.
   std::uint8_t hessian_rank = 0;
   // The number of independent directions kept within each degree: {1, 1, 0} on a line in 2-D.
   std::array<std::uint8_t, max_degree + 1> kept{};

@@ -137,11 +137,17 @@ class OwnFunctional {
     std::function<void(std::size_t target, const Powers& powers, std::span<double> out)> act;
   };
 
-  explicit OwnFunctional(std::function<Action(int dimension)> in) : in_(std::move(in)) {}
+  // The same in any number of dimensions. Throws InvalidArgument for fewer than one number, and for
+  // an action without a function.
+  static OwnFunctional of(Action action);
 
+  // Throws InvalidArgument where it has no meaning in this many dimensions.
   Action in(int dimension) const { return in_(dimension); }
 
  private:
+  friend class Functional;
+  explicit OwnFunctional(std::function<Action(int dimension)> in) : in_(std::move(in)) {}
+
   std::function<Action(int dimension)> in_;
 };
 
@@ -173,15 +179,10 @@ inline constexpr VectorFunctional Functional::divergence{VectorFunctional::Kind:
 inline constexpr VectorFunctional Functional::curl{VectorFunctional::Kind::curl};
 inline constexpr VectorFunctional Functional::strain_rate{VectorFunctional::Kind::strain_rate};
 
-namespace detail {
-// Throws InvalidArgument for fewer than one number.
-OwnFunctional own_functional(OwnFunctional::Action action);
-}  // namespace detail
-
 template <class Action>
 requires std::is_invocable_r_v<double, const Action&, const Functional::Powers&> OwnFunctional
 Functional::own(Action action) {
-  return detail::own_functional(
+  return OwnFunctional::of(
       {1, [action = std::move(action)](std::size_t, const Powers& powers, std::span<double> out) {
          out[0] = action(powers);
        }});
@@ -190,16 +191,15 @@ Functional::own(Action action) {
 template <class Action>
 requires std::is_invocable_r_v<double, const Action&, std::size_t, const Functional::Powers&>
     OwnFunctional Functional::own(Action action) {
-  return detail::own_functional(
-      {1,
-       [action = std::move(action)](std::size_t target, const Powers& powers,
-                                    std::span<double> out) { out[0] = action(target, powers); }});
+  return OwnFunctional::of({1, [action = std::move(action)](
+                                   std::size_t target, const Powers& powers,
+                                   std::span<double> out) { out[0] = action(target, powers); }});
 }
 
 template <class Action>
 requires std::invocable<const Action&, std::size_t, const Functional::Powers&, std::span<double>>
     OwnFunctional Functional::own(int numbers, Action action) {
-  return detail::own_functional({numbers, std::move(action)});
+  return OwnFunctional::of({numbers, std::move(action)});
 }
 
 }  // namespace recon

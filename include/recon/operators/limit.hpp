@@ -29,6 +29,8 @@
 #include <limits>
 #include <vector>
 
+#include "recon/core/error.hpp"
+
 namespace recon {
 
 enum class Limit : std::uint8_t { none, range, relaxed };
@@ -65,6 +67,11 @@ struct Apply {
 };
 
 namespace detail {
+
+inline void require_limit(Limit limit) {
+  require(limit == Limit::none || limit == Limit::range || limit == Limit::relaxed, "limit",
+          static_cast<int>(limit), "must be an enumerator of recon::Limit");
+}
 
 // The range of the data that one value is made of, as far as it is known.
 template <class Scalar>

@@ -30,6 +30,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <concepts>
 #include <memory>
 #include <span>
 #include <tuple>
@@ -109,6 +110,8 @@ class BasicReconstruction {
   void update(const PointsView<Scalar>& targets);
   void update(const PointsView<Scalar>& targets, const NeighbourRule& neighbours);
   void update(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours);
+  // For the nodes of another grid, with the supports that there are.
+  void update(const StructuredGrid<Scalar>& grid);
 
   // sum_p phi_p(x_t) u_p for every target t and component; see CsrOperator. With {.limit =
   // Limit::range} each value is kept in the range of the data it is made of, with Limit::relaxed
@@ -140,7 +143,8 @@ class BasicReconstruction {
 
   // The second derivatives of the local polynomial (1/length^2), D (D + 1) / 2 blocks; zero below
   // degree 2, in directions in which the gradient is not resolved, and where they cannot be told
-  // from an unresolved slope: report()[t].hessian_rank.
+  // from an unresolved slope. They are exact for quadratic fields in report()[t].hessian_rank
+  // directions; where that is 0 they are zero or, with too few particles, not complete.
   CsrOperator<Scalar> hessian() const;
 
   // Operators of any functionals (functional.hpp), from one fit of each target for all of them: a
@@ -209,14 +213,14 @@ inline ReconstructionF reconstruct(const PointsView<float>& points,
                                    const PointsView<float>& targets, const Options& options = {}) {
   return {points, targets, options};
 }
-inline Reconstruction reconstruct(const PointsView<double>& points,
-                                  const PointsView<double>& targets,
-                                  NeighbourList<double> neighbours, const Options& options) {
+template <std::same_as<NeighbourList<double>> List>
+Reconstruction reconstruct(const PointsView<double>& points, const PointsView<double>& targets,
+                           List neighbours, const Options& options = {}) {
   return {points, targets, std::move(neighbours), options};
 }
-inline ReconstructionF reconstruct(const PointsView<float>& points,
-                                   const PointsView<float>& targets,
-                                   NeighbourList<float> neighbours, const Options& options) {
+template <std::same_as<NeighbourList<float>> List>
+ReconstructionF reconstruct(const PointsView<float>& points, const PointsView<float>& targets,
+                            List neighbours, const Options& options = {}) {
   return {points, targets, std::move(neighbours), options};
 }
 
@@ -228,12 +232,14 @@ inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<flo
                                    const Options& options = {}) {
   return {sources, targets, options};
 }
-inline Reconstruction reconstruct(const Sources& sources, const PointsView<double>& targets,
-                                  NeighbourList<double> neighbours, const Options& options) {
+template <std::same_as<NeighbourList<double>> List>
+Reconstruction reconstruct(const Sources& sources, const PointsView<double>& targets,
+                           List neighbours, const Options& options = {}) {
   return {sources, targets, std::move(neighbours), options};
 }
-inline ReconstructionF reconstruct(const SourcesF& sources, const PointsView<float>& targets,
-                                   NeighbourList<float> neighbours, const Options& options) {
+template <std::same_as<NeighbourList<float>> List>
+ReconstructionF reconstruct(const SourcesF& sources, const PointsView<float>& targets,
+                            List neighbours, const Options& options = {}) {
   return {sources, targets, std::move(neighbours), options};
 }
 

@@ -20,6 +20,8 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <tuple>
+#include <type_traits>
 
 #include "recon/points/structured_grid.hpp"
 
@@ -34,6 +36,25 @@ namespace detail {
 
 [[noreturn]] void throw_coordinate(double x, int axis);
 [[noreturn]] void throw_no_cells();
+
+// Whether a point can be one in D dimensions: false only where its type says another number of
+// coordinates.
+template <class Point, int D>
+constexpr bool may_have_dimension() {
+  if constexpr (requires { std::tuple_size<Point>::value; })
+    return std::tuple_size_v<Point> == D;
+  else if constexpr (requires { Point::SizeAtCompileTime; })
+    return Point::SizeAtCompileTime == D || Point::SizeAtCompileTime == Eigen::Dynamic;
+  else if constexpr (std::is_bounded_array_v<Point>)
+    return std::extent_v<Point> == D;
+  else
+    return true;
+}
+template <class Point, int D>
+constexpr void require_dimension() {
+  static_assert(may_have_dimension<std::remove_cvref_t<Point>, D>(),
+                "a point must have as many coordinates as the grid has dimensions");
+}
 
 }  // namespace detail
 
@@ -92,6 +113,7 @@ class CartesianGrid {
   // The same for all coordinates of a point, anything with x[d].
   template <class Point>
   void require_point(const Point& x) const {
+    detail::require_dimension<Point, D>();
     double zero = 0;  // and NaN where a coordinate is not finite
     for (int d = 0; d < D; ++d) zero += x[d] - x[d];
     if (zero == 0 && h_ > 0) [[likely]]
@@ -108,6 +130,7 @@ class CartesianGrid {
   // cell_centres(nodes()).
   template <class Point>
   std::size_t cell_number(const Point& x) const {
+    detail::require_dimension<Point, D>();
     std::size_t number = 0;
     for (int d = D - 1; d >= 0; --d)
       number =
@@ -137,6 +160,7 @@ class CartesianGrid {
   // Whether a point lies in the box, up to a millionth of a cell; not so one that is not finite.
   template <class Point>
   bool contains(const Point& x) const {
+    detail::require_dimension<Point, D>();
     for (int d = 0; d < D; ++d)
       if (!(x[d] > lower_[d] - 1e-6 * h_ && x[d] < upper(d) + 1e-6 * h_)) return false;
     return true;

@@ -208,6 +208,7 @@ struct ProductFunctions : Axis {
   template <int D, class Point>
   std::array<AxisFunctions<typename Axis::AxisCount>, D> axes(const CartesianGrid<D>& grid,
                                                               const Point& x) const {
+    require_dimension<Point, D>();
     std::array<AxisFunctions<typename Axis::AxisCount>, D> all;
     for (int d = 0; d < D; ++d) all[d] = this->axis(grid, x[d], d);
     return all;
@@ -278,6 +279,7 @@ struct EightNodeFunctions {
   void at(const CartesianGrid<D>& grid, const Point& x, NodeFunctions<D, Count>& out) const {
     static_assert(detail::takes<Count, Exactly<8>>,
                   "these functions have more nodes than the object takes: use their type Nodes<D>");
+    detail::require_dimension<Point, D>();
     if constexpr (D == 2) {
       std::array<int, 2> first;
       SpaceVector<2> xi;

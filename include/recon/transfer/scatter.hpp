@@ -170,6 +170,7 @@ template <int D, class Functions, class DomainOf, class Add>
 requires NodalFunctions<Functions, D, std::invoke_result_t<const DomainOf&, std::size_t>>
 void scatter(const CartesianGrid<D>& grid, const Functions& functions, std::size_t particles,
              const DomainOf& domain_of, const Add& add, int threads = 0) {
+  detail::require_dimension<std::invoke_result_t<const DomainOf&, std::size_t>, D>();
   using Nodes = typename Functions::template Nodes<D>;
   scatter_by_rows<Nodes>(
       particles, threads,
@@ -189,6 +190,7 @@ template <int D, class Functions, class DomainOf, class Take>
 requires NodalFunctions<Functions, D, std::invoke_result_t<const DomainOf&, std::size_t>>
 void gather(const CartesianGrid<D>& grid, const Functions& functions, std::size_t particles,
             const DomainOf& domain_of, const Take& take, int threads = 0) {
+  detail::require_dimension<std::invoke_result_t<const DomainOf&, std::size_t>, D>();
   constexpr std::size_t block = 1024;
   const auto for_all = [&](const auto& loop) { parallel_blocks(particles, block, threads, loop); };
   const auto itself = [](std::size_t p) { return p; };

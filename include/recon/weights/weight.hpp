@@ -70,21 +70,53 @@ constexpr double binomial(int n, int k) {
   return value;
 }
 
+// exp(x) - 1 where constants are evaluated: Taylor's series at x / 2^k, doubled k times.
+constexpr double constant_expm1(double x) {
+  if (x < -750) return -1;
+  int doublings = 0;
+  for (; x < -0.25 || x > 0.25; ++doublings) x *= 0.5;
+  double term = x, sum = x;
+  for (int n = 2; n < 16; ++n) {
+    term *= x / n;
+    sum += term;
+  }
+  for (; doublings > 0; --doublings) sum *= sum + 2;
+  return sum;
+}
+
+// expm1 and exp, found by the argument's type; for built-in numbers in constant expressions too.
+template <class T>
+RECON_INLINE constexpr T expm1_of(const T& x) {
+  if constexpr (std::is_floating_point_v<T>)
+    if (__builtin_is_constant_evaluated()) return T(constant_expm1(double(x)));
+  using std::expm1;
+  return T(expm1(x));
+}
+template <class T>
+RECON_INLINE constexpr T exp_of(const T& x) {
+  if constexpr (std::is_floating_point_v<T>)
+    if (__builtin_is_constant_evaluated()) return T(constant_expm1(double(x)) + 1);
+  using std::exp;
+  return T(exp(x));
+}
+
 // Checks what a weight returned; whatever calls a weight for one q after the other uses it.
 template <class Scalar>
-void require_weight(const Scalar& q, const Scalar& w) {
+constexpr void require_weight(const Scalar& q, const Scalar& w) {
   if (!(w >= Scalar(0)) || !is_finite(w)) [[unlikely]]
-    throw_invalid("weight w(q) at q = " + to_text(q), w, "must be finite and not negative");
+    RECON_REFUSE(
+        throw_invalid("weight w(q) at q = " + to_text(q), w, "must be finite and not negative"));
 }
 template <class Scalar>
-void require_slope(const Scalar& q, const Scalar& slope) {
+constexpr void require_slope(const Scalar& q, const Scalar& slope) {
   if (!is_finite(slope)) [[unlikely]]
-    throw_invalid("derivative w'(q) of the weight at q = " + to_text(q), slope, "must be finite");
+    RECON_REFUSE(throw_invalid("derivative w'(q) of the weight at q = " + to_text(q), slope,
+                               "must be finite"));
 }
 
 // Calls validate() of a weight that has one.
 template <class W>
-void validate_weight(const W& weight) {
+constexpr void validate_weight(const W& weight) {
   if constexpr (requires { weight.validate(); }) weight.validate();
 }
 
@@ -168,31 +200,30 @@ struct Gaussian {
   double shape = 0.4;  // c: the width as a fraction of the support; positive, finite
 
   template <class T>
-  T operator()(T q) const {
-    using std::exp, std::expm1;
+  constexpr T operator()(T q) const {
     const double a = steepness();
     const T rest = (T(1) - q) * (T(1) + q);
-    return detail::select(
-        q < T(1),
-        T(exp(T(q * q * detail::constant<T>(-a))) * expm1(T(rest * detail::constant<T>(-a))) *
-          detail::constant<T>(1 / std::expm1(-a))),
-        T(0));
+    return detail::select(q < T(1),
+                          T(detail::exp_of(T(q * q * detail::constant<T>(-a))) *
+                            detail::expm1_of(T(rest * detail::constant<T>(-a))) *
+                            detail::constant<T>(1 / detail::expm1_of(-a))),
+                          T(0));
   }
   template <class T>
-  T derivative(T q) const {
-    using std::exp;
+  constexpr T derivative(T q) const {
     const double a = steepness();
-    const T slope = q * detail::constant<T>(2 * a / std::expm1(-a));
-    return detail::select(q < T(1), T(slope * exp(T(q * q * detail::constant<T>(-a)))), T(0));
+    const T slope = q * detail::constant<T>(2 * a / detail::expm1_of(-a));
+    return detail::select(q < T(1), T(slope * detail::exp_of(T(q * q * detail::constant<T>(-a)))),
+                          T(0));
   }
-  void validate() const {
-    detail::require(std::isfinite(shape) && shape > 0, "shape of the weight Gaussian", shape,
+  constexpr void validate() const {
+    detail::require(detail::is_finite(shape) && shape > 0, "shape of the weight Gaussian", shape,
                     "must be positive and finite: its width as a fraction of the support");
   }
 
  private:
   // Beyond these values of c, w equals its limits in all digits: 1 - q^2, and a spike at q = 0.
-  RECON_INLINE double steepness() const {
+  RECON_INLINE constexpr double steepness() const {
     const double a = 1 / (shape * shape);
     return a < 1e-20 ? 1e-20 : a > 1e20 ? 1e20 : a;
   }
@@ -215,8 +246,8 @@ struct InverseDistance {
     const T d = q * q + detail::constant<T>(softening * softening);
     return (T(-2) * r * d - T(2) * q * r * r) / (d * d);
   }
-  void validate() const {
-    detail::require(std::isfinite(softening) && softening > 0,
+  constexpr void validate() const {
+    detail::require(detail::is_finite(softening) && softening > 0,
                     "softening of the weight InverseDistance", softening,
                     "must be positive and finite: the distance, as a fraction of the support, "
                     "within which the weight stays level");
@@ -242,6 +273,13 @@ enum class Weight {
 };
 
 enum class WeightForm { radial, tensor_product };
+
+namespace detail {
+constexpr void require_form(WeightForm form) {
+  require(form == WeightForm::radial || form == WeightForm::tensor_product, "form",
+          static_cast<int>(form), "must be an enumerator of recon::WeightForm");
+}
+}  // namespace detail
 
 // All weights, and their names: "linear", "quadratic", "cubic", "quartic", "quintic" (B-splines),
 // "wendland_c0", ..., "gaussian", "inverse_distance".

@@ -28,10 +28,13 @@ constexpr const char* exit_codes =
 // Usage lines that name the arguments, and one blank line between groups.
 class HelpFormatter : public CLI::Formatter {
  public:
-  explicit HelpFormatter(std::string usage) : usage_(std::move(usage)) { column_width(30); }
+  HelpFormatter() { column_width(30); }
   std::string make_usage(const CLI::App* app, std::string name) const override {
-    const bool command = app->get_parent() != nullptr;
-    return "\nUsage: " + name + (command ? " " + usage_ + "\n" : " COMMAND ...\n");
+    if (!app->get_parent()) return "\nUsage: " + name + " COMMAND ...\n";
+    for (const CLI::Option* each : app->get_options())
+      if (each->get_positional())
+        name += " " + each->get_name(true) + (each->get_items_expected_max() > 1 ? "..." : "");
+    return "\nUsage: " + name + " [OPTIONS]\n";
   }
   std::string make_group(std::string group, bool is_positional,
                          std::vector<const CLI::Option*> options) const override {
@@ -45,9 +48,6 @@ class HelpFormatter : public CLI::Formatter {
     for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
     return text;
   }
-
- private:
-  std::string usage_;
 };
 
 // `recon help map` means `recon map --help`.
@@ -126,7 +126,7 @@ int run(const Front& front, const std::string& description, int argc, char** arg
   app.set_version_flag("--version", front.name + " " RECON_VERSION, "the version");
   app.require_subcommand(1);
   app.footer(exit_codes);
-  app.formatter(std::make_shared<HelpFormatter>(front.usage));
+  app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "this help");
   const std::map<std::string, Command> commands = add(app);
   try {

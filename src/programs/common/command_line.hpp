@@ -15,8 +15,7 @@ namespace recon::program {
 using Command = std::function<void()>;
 
 struct Front {
-  std::string name;                      // of the program
-  std::string usage = "FILE [OPTIONS]";  // of its subcommands
+  std::string name;  // of the program
   // Answers a first word that is a file rather than a command, or is empty.
   std::string file_hint;
 };

@@ -1,0 +1,4 @@
+#include "local_solve/compiled_solve_impl.hpp"
+
+template std::unique_ptr<recon::detail::CompiledSolve<float, 3>>
+recon::detail::make_solve<float, 3>(int, Solver, const FitTolerances&);

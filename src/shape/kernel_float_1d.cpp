@@ -1,4 +1,0 @@
-#include "shape/kernel.hpp"
-
-template std::unique_ptr<recon::ShapeKernel<float>> recon::detail::make_kernel<float, 1>(
-    const ShapeChoice&);
