@@ -26,8 +26,8 @@ struct FromParticles {
   }
 };
 
-// Mass and forces of the nodes (and momentum, where the quadrature reconstructs it). This one leaves
-// everything to the particles.
+// Mass and forces of the nodes (and momentum, where the quadrature reconstructs it). This one
+// leaves everything to the particles.
 template <int D>
 class QuadraturePolicy {
  public:
@@ -74,7 +74,8 @@ class MassPolicy {
   virtual ~MassPolicy() = default;
   virtual void accelerate(const State<D>&, const FromParticles&, const BoundaryPolicy<D>&,
                           Nodes<D>& nodes) const;
-  // Reports the first negative mass and the first change of sign, and stops where that is asked for.
+  // Reports the first negative mass and the first change of sign, and stops where that is asked
+  // for.
   void watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const;
 
  protected:

@@ -103,8 +103,8 @@ class SingleMap : public UpdatePolicy<D> {
   }
 
  protected:
-  // Makes nodes.velocity that of which L is made, and returns what carries the particles; empty: the
-  // same.
+  // Makes nodes.velocity that of which L is made, and returns what carries the particles; empty:
+  // the same.
   virtual std::vector<Vector<D>> carried(Step<D>& step, const State<D>&, double kick) const {
     Nodes<D>& nodes = step.changeable_nodes();
     accelerate(nodes, kick, nodes.velocity);
@@ -117,8 +117,8 @@ class SingleMap : public UpdatePolicy<D> {
   const Problem<D>& problem_;
 
  private:
-  // The nodes' velocities of which L is made, where some have a mass that is too small for the step;
-  // empty where none has.
+  // The nodes' velocities of which L is made, where some have a mass that is too small for the
+  // step; empty where none has.
   static std::vector<Vector<D>> limited(const Step<D>& step, double dt, double kick) {
     const Nodes<D>& nodes = step.nodes();
     std::vector<Vector<D>> velocity;
