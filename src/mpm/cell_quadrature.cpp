@@ -50,10 +50,12 @@ std::vector<double> fill_of(const Grid<D>& grid, const Particles<D>& particles) 
   return fill;
 }
 
+// Over the cells, fitted at the centre of each, its only point (`cells`), or at the nodes, linear
+// between them and integrated exactly (`nodal_cells`).
 template <int D>
 class CellQuadrature : public QuadraturePolicy<D> {
  public:
-  explicit CellQuadrature(const Problem<D>& problem) : problem_(problem) {}
+  using QuadraturePolicy<D>::QuadraturePolicy;
 
   FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
                            Nodes<D>& nodes) const override {
@@ -101,7 +103,7 @@ class CellQuadrature : public QuadraturePolicy<D> {
     cells.values = std::move(made).values();
   }
 
-  const Problem<D>& problem_;
+  using QuadraturePolicy<D>::problem_;
 };
 
 }  // namespace
@@ -140,17 +142,17 @@ std::vector<double> full_cells(const Grid<D>& grid, const Particles<D>& particle
 }
 
 template <int D>
-std::unique_ptr<const QuadraturePolicy<D>> over_cells(const Problem<D>& problem) {
-  return std::make_unique<CellQuadrature<D>>(problem);
+std::unique_ptr<const QuadraturePolicy<D>> make_quadrature(const Problem<D>& problem) {
+  if (is_cell(problem.method.quadrature)) return std::make_unique<CellQuadrature<D>>(problem);
+  if (is_gauss(problem.method.quadrature)) return make_gauss_quadrature(problem);
+  return std::make_unique<QuadraturePolicy<D>>(problem);
 }
 
 #define RECON_INSTANTIATE(D)                                                    \
   template class QuadratureData<D>;                                             \
   template std::vector<double> full_cells(const Grid<D>&, const Particles<D>&); \
-  template std::unique_ptr<const QuadraturePolicy<D>> over_cells(const Problem<D>&);
-RECON_INSTANTIATE(1)
-RECON_INSTANTIATE(2)
-RECON_INSTANTIATE(3)
+  template std::unique_ptr<const QuadraturePolicy<D>> make_quadrature(const Problem<D>&);
+RECON_DIMENSIONS(RECON_INSTANTIATE)
 #undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

@@ -34,12 +34,4 @@ class QuadratureData {
 template <int D>
 std::vector<double> full_cells(const Grid<D>& grid, const Particles<D>& particles);
 
-// Over the cells, fitted at the centre of each, its only point (`cells`), or at the nodes, linear
-// between them and integrated exactly (`nodal_cells`).
-template <int D>
-std::unique_ptr<const QuadraturePolicy<D>> over_cells(const Problem<D>& problem);
-// At Gauss points of the cells that are full: taylor_cells and gauss_cells (gauss_quadrature.cpp).
-template <int D>
-std::unique_ptr<const QuadraturePolicy<D>> at_gauss_points(const Problem<D>& problem);
-
 }  // namespace recon::mpm

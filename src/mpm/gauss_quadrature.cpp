@@ -14,7 +14,6 @@
 #include "core/counting_sort.hpp"
 #include "mpm/add_point.hpp"
 #include "mpm/cell_quadrature.hpp"
-#include "mpm/mass.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -124,7 +123,7 @@ class TaylorFits {
 template <int D>
 class GaussQuadrature : public QuadraturePolicy<D> {
  public:
-  explicit GaussQuadrature(const Problem<D>& problem) : problem_(problem) {}
+  using QuadraturePolicy<D>::QuadraturePolicy;
 
   FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
                            Nodes<D>& nodes) const override {
@@ -133,10 +132,11 @@ class GaussQuadrature : public QuadraturePolicy<D> {
     const QuadratureData<D> data(particles, b, true, problem_.threads);
     const CellPoints<D> points(problem_.grid, 2);
     if (problem_.method.quadrature == Quadrature::taylor_cells)
-      integrate(TaylorFits<D>(problem_, particles, data, points, !b.empty()), points, !b.empty(),
-                cells, nodes);
+      integrate(TaylorFits<D>(this->problem_, particles, data, points, !b.empty()), points,
+                !b.empty(), cells, nodes);
     else
-      integrate(GaussFits<D>(problem_, particles, data, points), points, !b.empty(), cells, nodes);
+      integrate(GaussFits<D>(this->problem_, particles, data, points), points, !b.empty(), cells,
+                nodes);
     return {.full = &cells.fill};
   }
 
@@ -144,14 +144,15 @@ class GaussQuadrature : public QuadraturePolicy<D> {
   template <class Values>
   void integrate(Values&& values, const CellPoints<D>& points, bool body_force,
                  const Cells<D>& cells, Nodes<D>& nodes) const {
-    const bool consistent = problem_.method.mass == MassMatrix::consistent;
-    with_shape(problem_.method, [&](auto shape_of) {
+    const Problem<D>& problem = this->problem_;
+    const bool consistent = problem.method.mass == MassMatrix::consistent;
+    with_shape(problem.method, [&](auto shape_of) {
       if constexpr (is_product<D, decltype(shape_of)>) {
         typename decltype(shape_of)::template Nodes<D> shape;
         for (std::size_t c = 0; c < cells.fill.size(); ++c) {
           if (!(cells.fill[c] > 0)) continue;
           for (std::size_t g = 0; g < points.per_cell(); ++g) {
-            shape_of.functions.at(problem_.grid, points.at(c, g), shape);
+            shape_of.functions.at(problem.grid, points.at(c, g), shape);
             const Eigen::RowVectorXd row = values(c, g);
             add_point(shape, points.volume(), row.data(), body_force, true, nodes);
             if (consistent) add_mass(shape, points.volume() * row[0], nodes.mass_entries);
@@ -161,18 +162,19 @@ class GaussQuadrature : public QuadraturePolicy<D> {
     });
   }
 
-  const Problem<D>& problem_;
+  using QuadraturePolicy<D>::problem_;
 };
 
 }  // namespace
 
 template <int D>
-std::unique_ptr<const QuadraturePolicy<D>> at_gauss_points(const Problem<D>& problem) {
+std::unique_ptr<const QuadraturePolicy<D>> make_gauss_quadrature(const Problem<D>& problem) {
   return std::make_unique<GaussQuadrature<D>>(problem);
 }
 
-template std::unique_ptr<const QuadraturePolicy<1>> at_gauss_points(const Problem<1>&);
-template std::unique_ptr<const QuadraturePolicy<2>> at_gauss_points(const Problem<2>&);
-template std::unique_ptr<const QuadraturePolicy<3>> at_gauss_points(const Problem<3>&);
+#define RECON_INSTANTIATE(D) \
+  template std::unique_ptr<const QuadraturePolicy<D>> make_gauss_quadrature(const Problem<D>&);
+RECON_DIMENSIONS(RECON_INSTANTIATE)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

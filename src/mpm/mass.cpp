@@ -1,9 +1,9 @@
-// v_i = p_i / m_i and a_i = f_i / m_i + g, or M v = p and M a = f + M g.
-#include "mpm/mass.hpp"
-
+// v_i = p_i / m_i and a_i = f_i / m_i + g, or M v = p and M a = f + M g with the consistent mass
+// M_ij = sum_p m_p S_ip S_jp (Andersen, Andersen 2007, eq. 10, 17).
 #include <Eigen/SparseCholesky>
 
 #include "mpm/brief.hpp"
+#include "mpm/policies.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -159,9 +159,7 @@ std::unique_ptr<const MassPolicy<D>> make_mass(const Problem<D>& problem) {
 #define RECON_INSTANTIATE(D)    \
   template class MassPolicy<D>; \
   template std::unique_ptr<const MassPolicy<D>> make_mass(const Problem<D>&);
-RECON_INSTANTIATE(1)
-RECON_INSTANTIATE(2)
-RECON_INSTANTIATE(3)
+RECON_DIMENSIONS(RECON_INSTANTIATE)
 #undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

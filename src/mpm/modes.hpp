@@ -17,8 +17,8 @@ inline int mode_count(VelocityMap map, int dimension) {
   return mode_count(mode_set(map), dimension);
 }
 
-// The affine modes of functions that are averages over a domain: with d = x_i - sum_i S_i x_i and
-// D = sum_i S_i d d^T (not diagonal, as that of products is) the slope C = (sum_i S_i u_i d^T) D^-1,
+// The affine modes of functions that are averages over a domain: with d = x_i - sum_i S_i x_i and D
+// = sum_i S_i d d^T (not diagonal, as that of products is) the slope C = (sum_i S_i u_i d^T) D^-1,
 // whose columns are the coefficients. Linear fields are exact whatever the domain. Zero where D is
 // as good as singular: a domain that sees a single node along some direction.
 template <int D>

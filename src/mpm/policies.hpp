@@ -17,8 +17,8 @@ constexpr double lightest_node = 1e-10;  // of the heaviest: lighter ones do not
 // What particles give to the nodes themselves; the rest is the quadrature's.
 struct FromParticles {
   bool mass_and_force = true;  // else momentum alone
-  const std::vector<double>* full =
-      nullptr;  // cells with more than 0 here count for their particles
+  // Where not null: cells with more than 0 here stand for their particles.
+  const std::vector<double>* full = nullptr;
 
   template <int D>
   bool leaves_out(const Grid<D>& grid, const Vector<D>& x) const {
@@ -26,15 +26,22 @@ struct FromParticles {
   }
 };
 
-// Mass and forces of the nodes (and momentum, where the quadrature reconstructs it).
+// Mass and forces of the nodes (and momentum, where the quadrature reconstructs it). This one
+// leaves everything to the particles.
 template <int D>
 class QuadraturePolicy {
  public:
+  explicit QuadraturePolicy(const Problem<D>& problem) : problem_(problem) {}
   virtual ~QuadraturePolicy() = default;
-  // Adds what is integrated over cells, with b the body force per mass of the particles, and says
+  // Adds what is integrated over cells, with the body force per mass of the particles, and says
   // what is left to the particles.
-  virtual FromParticles over_cells(const State<D>&, const std::vector<Vector<D>>& b,
-                                   Cells<D>& cells, Nodes<D>& nodes) const = 0;
+  virtual FromParticles over_cells(const State<D>&, const std::vector<Vector<D>>&, Cells<D>&,
+                                   Nodes<D>&) const {
+    return {};
+  }
+
+ protected:
+  const Problem<D>& problem_;
 };
 
 // Momentum of the nodes from that of the particles, and fits of it.
@@ -67,7 +74,8 @@ class MassPolicy {
   virtual ~MassPolicy() = default;
   virtual void accelerate(const State<D>&, const FromParticles&, const BoundaryPolicy<D>&,
                           Nodes<D>& nodes) const;
-  // Reports the first negative mass and the first change of sign, and stops where that is asked for.
+  // Reports the first negative mass and the first change of sign, and stops where that is asked
+  // for.
   void watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const;
 
  protected:
@@ -133,7 +141,11 @@ class UpdatePolicy {
   virtual void move(Step<D>& step, State<D>& s, double dt) const = 0;
 };
 
-// Of the problem's method.
+// Of the problem's method; the first two are asked by the others.
+template <int D>
+std::unique_ptr<const QuadraturePolicy<D>> make_gauss_quadrature(const Problem<D>& problem);
+template <int D>
+std::unique_ptr<const UpdatePolicy<D>> make_runge_kutta(const Problem<D>& problem);
 template <int D>
 std::unique_ptr<const QuadraturePolicy<D>> make_quadrature(const Problem<D>& problem);
 template <int D>
@@ -160,5 +172,17 @@ struct Policies {
   LoadPolicy<D> loads;
   std::unique_ptr<const UpdatePolicy<D>> update;
 };
+
+// Adds mass * S_i S_j for all pairs of nodes to the entries of a consistent mass matrix.
+template <class At>
+void add_mass(const At& at, double mass, MassEntries& entries) {
+  for (std::size_t a = 0; a < at.size(); ++a)
+    for (std::size_t b = 0; b < at.size(); ++b)
+      entries.emplace_back(static_cast<int>(at.node[a]), static_cast<int>(at.node[b]),
+                           mass * at.S[a] * at.S[b]);
+}
+
+// A definition for every dimension.
+#define RECON_DIMENSIONS(INSTANTIATE) INSTANTIATE(1) INSTANTIATE(2) INSTANTIATE(3)
 
 }  // namespace recon::mpm

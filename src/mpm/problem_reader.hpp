@@ -1,5 +1,5 @@
-// What the sections of a problem file share: the file, the problem that is being read, the constants,
-// and values that are numbers or formulas.
+// What the sections of a problem file share: the file, the problem that is being read, the
+// constants, and values that are numbers or formulas.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 #include "recon/mpm/read_problem.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -52,7 +53,13 @@ const KnownKeys fixed_keys{
 KnownKeys known_keys() {
   KnownKeys keys = fixed_keys;
   for (const std::string& key : load_keys()) keys.others.push_back(key);
-  for (const MethodKey& key : method_keys()) keys.settable.push_back("method." + key.name);
+  // "velocity" alone is that of the bodies.
+  const auto is_taken = [&](const std::string& key) {
+    return std::any_of(keys.settable.begin(), keys.settable.end(),
+                       [&](const std::string& each) { return each.ends_with("." + key); });
+  };
+  for (const MethodKey& key : method_keys())
+    (is_taken(key.name) ? keys.others : keys.settable).push_back("method." + key.name);
   for_each_material([&]<class M>(const M&) {
     if constexpr (requires { M::parameters(); })
       for (const auto& [key, member] : M::parameters()) {

@@ -1,4 +1,5 @@
-#include "mpm/update.hpp"
+// y' = f(y) for position, velocity and deformation; f is the map and the rates of flip.
+#include "mpm/policies.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon::mpm {
@@ -84,8 +85,9 @@ std::unique_ptr<const UpdatePolicy<D>> make_runge_kutta(const Problem<D>& proble
   return std::make_unique<RungeKutta<D>>(problem);
 }
 
-template std::unique_ptr<const UpdatePolicy<1>> make_runge_kutta(const Problem<1>&);
-template std::unique_ptr<const UpdatePolicy<2>> make_runge_kutta(const Problem<2>&);
-template std::unique_ptr<const UpdatePolicy<3>> make_runge_kutta(const Problem<3>&);
+#define RECON_INSTANTIATE(D) \
+  template std::unique_ptr<const UpdatePolicy<D>> make_runge_kutta(const Problem<D>&);
+RECON_DIMENSIONS(RECON_INSTANTIATE)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

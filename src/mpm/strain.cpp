@@ -45,9 +45,7 @@ void strain_to(const Problem<D>& problem, std::size_t begin, std::size_t end, do
 #define RECON_INSTANTIATE(D)                                                            \
   template void strain(const Problem<D>&, std::size_t, std::size_t, double, State<D>&); \
   template void strain_to(const Problem<D>&, std::size_t, std::size_t, double, State<D>&);
-RECON_INSTANTIATE(1)
-RECON_INSTANTIATE(2)
-RECON_INSTANTIATE(3)
+RECON_DIMENSIONS(RECON_INSTANTIATE)
 #undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

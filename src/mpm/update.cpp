@@ -1,5 +1,4 @@
 // The updates that map once a step, and what they are chosen from.
-#include "mpm/update.hpp"
 #include "core/flatten.hpp"
 #include "mpm/modes.hpp"
 #include "mpm/policies.hpp"
@@ -104,8 +103,8 @@ class SingleMap : public UpdatePolicy<D> {
   }
 
  protected:
-  // Makes nodes.velocity that of which L is made, and returns what carries the particles; empty: the
-  // same.
+  // Makes nodes.velocity that of which L is made, and returns what carries the particles; empty:
+  // the same.
   virtual std::vector<Vector<D>> carried(Step<D>& step, const State<D>&, double kick) const {
     Nodes<D>& nodes = step.changeable_nodes();
     accelerate(nodes, kick, nodes.velocity);
@@ -118,8 +117,8 @@ class SingleMap : public UpdatePolicy<D> {
   const Problem<D>& problem_;
 
  private:
-  // The nodes' velocities of which L is made, where some have a mass that is too small for the step;
-  // empty where none has.
+  // The nodes' velocities of which L is made, where some have a mass that is too small for the
+  // step; empty where none has.
   static std::vector<Vector<D>> limited(const Step<D>& step, double dt, double kick) {
     const Nodes<D>& nodes = step.nodes();
     std::vector<Vector<D>> velocity;
@@ -203,19 +202,16 @@ class Filtered : public SingleMap<D> {
 
 template <int D>
 std::unique_ptr<const UpdatePolicy<D>> make_update(const Problem<D>& problem) {
-  switch (problem.method.update) {
-    case Update::xpic:
-    case Update::fmpm:
-      return std::make_unique<Filtered<D>>(problem);
-    case Update::runge_kutta:
-      return make_runge_kutta(problem);
-    default:
-      return std::make_unique<SingleMap<D>>(problem);
-  }
+  const Update update = problem.method.update;
+  if (update == Update::runge_kutta) return make_runge_kutta(problem);
+  if (update == Update::xpic || update == Update::fmpm)
+    return std::make_unique<Filtered<D>>(problem);
+  return std::make_unique<SingleMap<D>>(problem);
 }
 
-template std::unique_ptr<const UpdatePolicy<1>> make_update(const Problem<1>&);
-template std::unique_ptr<const UpdatePolicy<2>> make_update(const Problem<2>&);
-template std::unique_ptr<const UpdatePolicy<3>> make_update(const Problem<3>&);
+#define RECON_INSTANTIATE(D) \
+  template std::unique_ptr<const UpdatePolicy<D>> make_update(const Problem<D>&);
+RECON_DIMENSIONS(RECON_INSTANTIATE)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

@@ -148,25 +148,17 @@ void on_grid(const Problem<D>& problem, const std::vector<Vector<D>>& x,
 // Where no point lies in the support of a node, the mass-weighted velocity is kept, and the node
 // counted in nodes.unfitted.
 template <int D>
-class MlsMap : public MapPolicy<D> {
+class GridMap : public MapPolicy<D> {
  public:
   using MapPolicy<D>::MapPolicy;
 
  protected:
   void fit(const State<D>& s, Nodes<D>& nodes) const override {
-    on_grid(this->problem_, s.particles.x, s.particles.v, nodes);
-  }
-};
-
-template <int D>
-class CplsMap : public MapPolicy<D> {
- public:
-  using MapPolicy<D>::MapPolicy;
-
- protected:
-  void fit(const State<D>& s, Nodes<D>& nodes) const override {
-    const WithCorners<D> data(s.particles, this->problem_.threads);
-    on_grid(this->problem_, data.x, data.v, nodes);
+    const Problem<D>& problem = this->problem_;
+    if (problem.method.velocity == VelocityMap::mls)
+      return on_grid(problem, s.particles.x, s.particles.v, nodes);
+    const WithCorners<D> data(s.particles, problem.threads);
+    on_grid(problem, data.x, data.v, nodes);
   }
 };
 
@@ -233,24 +225,15 @@ void MapPolicy<D>::velocities(const State<D>& s, Nodes<D>& nodes) const {
 
 template <int D>
 std::unique_ptr<const MapPolicy<D>> make_map(const Problem<D>& problem) {
-  switch (problem.method.velocity) {
-    case VelocityMap::mls:
-      return std::make_unique<MlsMap<D>>(problem);
-    case VelocityMap::imls:
-      return std::make_unique<ImlsMap<D>>(problem);
-    case VelocityMap::cpls:
-      return std::make_unique<CplsMap<D>>(problem);
-    default:
-      return std::make_unique<MapPolicy<D>>(problem);
-  }
+  if (problem.method.velocity == VelocityMap::imls) return std::make_unique<ImlsMap<D>>(problem);
+  if (is_fit(problem.method.velocity)) return std::make_unique<GridMap<D>>(problem);
+  return std::make_unique<MapPolicy<D>>(problem);
 }
 
 #define RECON_INSTANTIATE(D)   \
   template class MapPolicy<D>; \
   template std::unique_ptr<const MapPolicy<D>> make_map(const Problem<D>&);
-RECON_INSTANTIATE(1)
-RECON_INSTANTIATE(2)
-RECON_INSTANTIATE(3)
+RECON_DIMENSIONS(RECON_INSTANTIATE)
 #undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

@@ -434,9 +434,17 @@ TEST_F(MpmFiles, PressureAddsUpToForce) {
 // A run in two parts is bit for bit the run in one, ledger included. With elements the disks are
 // slow and without stress: they would break.
 TEST_F(MpmFiles, RestartIsExact) {
-  for (const Method& method : methods()) {
+  std::vector<Method> all(methods().begin(), methods().end());
+  for (const char* name : {"cpdi2+affine+blend=0.1", "mpm+musl+symplectic_euler"})
+    all.push_back(composed(name));
+  for (const Method& method : all) {
     auto file = read_example<2>("disks.toml", {"name=" + method.name, "cells=10", "frames=4"});
-    if (has_negative_functions(method.name)) {
+    if (method.stress == StressUpdate::musl) {  // with a history, too
+      VonMises soft{lame(file.problem.materials[0])};
+      soft.yield = soft.mu / 100;
+      file.problem.materials[1] = soft;
+    }
+    if (is_element(method.basis)) {
       file.problem.materials.assign(2, NeoHookean{Lame::from(1e-9, 0.3)});
       file.problem.time.courant = 0.05;
     } else {
@@ -472,6 +480,59 @@ TEST_F(MpmFiles, RestartIsExact) {
                              a.particles().size() * sizeof(Vector<2>)));
     EXPECT_EQ(a.time(), b.time());
   }
+}
+
+// Choices in the name, beside the name, and by settings are the same.
+TEST_F(MpmFiles, MethodsAreComposed) {
+  const auto method = [&](const std::string& lines, const std::vector<std::string>& settings = {}) {
+    EXPECT_EQ(message(with("name = \"cpls\"", lines), settings), "");
+    return std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml", settings)).problem.method;
+  };
+  const Method named = method("name = \"cpdi1+affine+update=flip+blend=0.25+musl+degree=2\"");
+  const Method beside = method(
+      "name = \"cpdi1\"\nvelocity = \"affine\"\nupdate = \"flip\"\nblend = 0.25\nstress = "
+      "\"musl\"\ndegree = 2");
+  const Method set = method("name = \"mpm\"", {"domain=cpdi1", "method.velocity=affine",
+                                               "blend=0.25", "stress=musl", "degree=2"});
+  for (const MethodKey& key : method_keys()) {
+    EXPECT_EQ(named.get(key.name), beside.get(key.name)) << key.name;
+    EXPECT_EQ(named.get(key.name), set.get(key.name)) << key.name;
+  }
+  EXPECT_THAT(message(with("\"cpls\"", "\"cpls+velocty=mls\"")),
+              AllOf(HasSubstr("method.name"), HasSubstr("velocity")));
+  EXPECT_THAT(message(with("\"cpls\"", "\"mpm\"\nblend = 2")), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(message(with("\"cpls\"", "\"mpm\"\nblend = \"much\"")),
+              HasSubstr("method.blend: a number is needed"));
+  EXPECT_THAT(message(with("\"cpls\"", "\"mpm\"\ndomain = \"cpdi\"")),
+              AllOf(HasSubstr("method.domain"), HasSubstr("cpdi1")));
+}
+
+TEST_F(MpmFiles, MaterialsHaveTheirConstants) {
+  const std::string plastic = with("young = 1000", "young = 1000\nkind = \"von_mises\"\nyield = 3");
+  EXPECT_THAT(message(plastic), HasSubstr("material.hardening: is missing"));
+  EXPECT_EQ(message(plastic, {"hardening=7"}), "");
+  const auto file = std::get<ProblemFile<2>>(
+      read_problem(folder_ / "p.toml", std::vector<std::string>{"hardening=7"}));
+  const auto* material = std::get_if<VonMises>(&file.problem.materials[0]);
+  ASSERT_TRUE(material);
+  EXPECT_EQ(material->yield, 3);
+  EXPECT_EQ(material->hardening, 7);
+  EXPECT_THAT(message(plastic, {"hardening=-7"}), HasSubstr("hardening"));
+  EXPECT_THAT(message(with("young = 1000", "young = 1000\nyield = 3")),
+              HasSubstr("material.yield: has no meaning"));
+}
+
+// Without a ledger the summary of a run knows the first and the last state.
+TEST_F(MpmFiles, WithoutALedgerTheEndsAreAccountedFor) {
+  auto file = read_example<2>("disks.toml", {"cells=10", "frames=0", "name=cpls"});
+  file.problem.time.end = 0.1;
+  const RunResult with_ledger = run(file, {.folder = folder_ / "with"});
+  file.output.ledger = false;
+  const RunResult without = run(file, {.folder = folder_ / "without"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "without" / "ledger.csv"));
+  EXPECT_EQ(ledger_row(with_ledger.first), ledger_row(without.first));
+  EXPECT_EQ(ledger_row(with_ledger.last), ledger_row(without.last));
+  EXPECT_GT(without.steps, 2);
 }
 
 TEST_F(MpmFiles, ResultsOfAnotherRunAreKept) {

@@ -409,7 +409,7 @@ TEST(Methods, AreComposed) {
            {"cpdi1+momentum_correction=1", {"momentum_correction", "true"}},
            {"cpdi1+", {"choice of a method"}},
            {"", {"method"}}}) {
-    const std::string what = blamed([&] { composed(text); });
+    const std::string what = blamed([&, given = text] { composed(given); });
     for (const char* word : words)
       EXPECT_NE(what.find(word), std::string::npos) << text << ": " << what;
   }

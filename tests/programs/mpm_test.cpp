@@ -124,6 +124,10 @@ TEST_F(MpmProgram, ListsOfFramesAreXml) {
 
 TEST_F(MpmProgram, Mistakes) {
   expect_failure("run disks.toml --method cplss", 1, HasSubstr("did you mean 'cpls'"));
+  expect_failure("run disks.toml --method cpls+velocty=mls", 1,
+                 HasSubstr("did you mean 'velocity'"));
+  expect_failure("run disks.toml --method cpdi1+polynomial", 2,
+                 AllOf(HasSubstr("method.name"), HasSubstr("domain is cpdi1")));
   expect_failure("run disks.toml --metod cpls", 1, HasSubstr("--method"));
   expect_failure("run disk.toml", 2, HasSubstr("no such file"));
   expect_failure("run disks.toml --set cels=3", 2, HasSubstr("grid.cells"));
@@ -153,7 +157,8 @@ TEST_F(MpmProgram, CompareShowsAllMethods) {
   const std::string shown = succeed(
       "compare vibration_1d.toml --cells 4,8 --methods mpm,cpls,q8 --no-stability --quiet --out "
       "a.csv");
-  EXPECT_THAT(shown, AllOf(HasSubstr("\ncpls "), HasSubstr("refused: "), HasSubstr("is for 2-D")));
+  EXPECT_THAT(shown, AllOf(HasSubstr("\ncpls "), HasSubstr("refused: "),
+                           HasSubstr("needs a problem in 2-D")));
   const std::string csv = read("a.csv");
   EXPECT_THAT(csv, AllOf(HasSubstr("method,displacement error,order"), HasSubstr("\ncpls,"),
                          HasSubstr("refused")));

@@ -2,11 +2,11 @@
 // not interrupted.
 //
 // The first 512 bytes are text: what the file is, its format, and a length and a checksum of the
-// rest. The rest is HDF5 (whose libraries skip the text): one data set per quantity (X, x, v, F,
-// L, stress, half_edges, mass, volume0, energy, body; corners, modes, history where there are any; a
-// row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*, and `problem`:
-// a text of lines "key = value" with all that identifies the problem. The file is written
-// completely or not at all.
+// rest. The rest is HDF5 (whose libraries skip the text): one data set per quantity (X, x, v, F, L,
+// stress, half_edges, mass, volume0, energy, body; corners, modes, history where there are any; a
+// row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*,
+// and `problem`: a text of lines "key = value" with all that identifies the problem. The file is
+// written completely or not at all.
 //
 // A checkpoint belongs to one problem: dimension, grid, every choice of the method, materials,
 // densities and particles of the bodies, boundaries, loads, and the texts of Problem::formulas must

@@ -17,9 +17,9 @@ struct Forecast {
   std::vector<std::string> warnings;  // whole sentences
 };
 
-// The forecast for a run of a valid problem to its end, from its start or from a state. Warns of a step that is longer
-// than the method is known to be stable with (Method::stable_courant()), and of what breaks the
-// method on this problem whatever the step is (Method::caveat()).
+// The forecast for a run of a valid problem to its end, from its start or from a state. Warns of a
+// step that is longer than the method is known to be stable with (Method::stable_courant()), and of
+// what breaks the method on this problem whatever the step is (Method::caveat()).
 template <int D>
 Forecast forecast(const Problem<D>& problem);
 template <int D>

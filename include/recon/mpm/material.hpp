@@ -46,11 +46,11 @@ struct Lame {
   }
 };
 
-// A material has Lame's constants (for the speed of waves), a name and two functions. update() turns
-// Cauchy stress (force / area) and strain energy per reference volume into those after a step dt
-// with the velocity gradient L (1 / time) that led to the deformation gradient F. out_of_plane() is
-// the stress along the directions without strain, in 1-D and 2-D; it follows from F and the stress
-// in the other directions.
+// A material has Lame's constants (for the speed of waves), a name and two functions. update()
+// turns Cauchy stress (force / area) and strain energy per reference volume into those after a step
+// dt with the velocity gradient L (1 / time) that led to the deformation gradient F. out_of_plane()
+// is the stress along the directions without strain, in 1-D and 2-D; it follows from F and the
+// stress in the other directions.
 //
 // One that remembers more than these has `history`, the number of its variables: both functions
 // then take them last, as const double* in out_of_plane(). They are 0 at the start. One with more
@@ -122,9 +122,9 @@ struct LinearElastic : Lame {
 
 // Elastic and plastic: LinearElastic whose Mises stress is at most yield + hardening times the
 // plastic strain; what is above after an elastic step is taken from the deviator, along itself
-// (radial return: Wilkins 1964; Simo, Hughes 1998, box 3.1). History: the equivalent plastic strain,
-// and the stress along the directions without strain. The energy is the work of the stress, what is
-// dissipated included.
+// (radial return: Wilkins 1964; Simo, Hughes 1998, box 3.1). History: the equivalent plastic
+// strain, and the stress along the directions without strain. The energy is the work of the stress,
+// what is dissipated included.
 struct VonMises : Lame {
   static constexpr std::string_view name = "von_mises";
   static constexpr std::size_t history = 2;

@@ -2,7 +2,7 @@
 // choices can be replaced:
 //
 // ```cpp
-//   recon::mpm::Method method = recon::mpm::composed("cpdi1+velocity=affine+update=flip+blend=0.05");
+//   recon::mpm::Method method = recon::mpm::composed("cpdi1+velocity=affine+flip+blend=0.05");
 //   method.set("stress", "musl");
 //   method.validate(2);  // throws where a choice needs what another one does not have
 // ```
@@ -172,8 +172,8 @@ std::span<const MethodKey> method_keys();
 std::span<const Method> methods();
 // Throws InvalidArgument for an unknown name, with the nearest valid ones.
 const Method& method_named(std::string_view name);
-// A row with other choices: "ROW+key=value+..." or, where a value is a word of one key alone, "ROW+value".
-// That text is its name. Throws InvalidArgument for what there is not.
+// A row with other choices: "ROW+key=value+..." or, where a value is a word of one key alone,
+// "ROW+value". That text is its name. Throws InvalidArgument for what there is not.
 Method composed(std::string_view text);
 
 std::string_view name_of(Domain domain);

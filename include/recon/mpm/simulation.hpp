@@ -5,8 +5,8 @@
 //   while (simulation.time() < end) simulation.step(simulation.choose_step().dt);
 // ```
 //
-// step.hpp says what a step is. map() does its first part alone, for those who want to see the nodes
-// (or an account, ledger.hpp) before the rest; step() then does not do it again.
+// step.hpp says what a step is. map() does its first part alone, for those who want to see the
+// nodes (or an account, ledger.hpp) before the rest; step() then does not do it again.
 #pragma once
 
 #include "recon/mpm/step.hpp"

@@ -20,8 +20,8 @@ struct State {
   }
 };
 
-// The state at t = 0 of the problem's particles: with the corners, modes and history that method and
-// materials keep with them, where the problem does not give these. Throws InvalidArgument as
+// The state at t = 0 of the problem's particles: with the corners, modes and history that method
+// and materials keep with them, where the problem does not give these. Throws InvalidArgument as
 // Problem::validate() does.
 template <int D>
 State<D> start(const Problem<D>& problem);

@@ -55,11 +55,14 @@ std::string remark(const Row& row) {
 }
 
 void print_table(const std::vector<Row>& rows) {
-  std::printf("%-20s", "method");
+  std::vector<std::string> names;
+  for (const Row& row : rows) names.push_back(row.method);
+  const int width = name_width(20, names);
+  std::printf("%-*s", width, "method");
   for (const Column& column : columns) std::printf(" %9s", column.brief);
   std::printf("\n");
   for (const Row& row : rows) {
-    std::printf("%-20s", row.method.c_str());
+    std::printf("%-*s", width, row.method.c_str());
     for (const Column& column : columns)
       std::printf(" %9s", or_dash(row.*column.value, column.format).c_str());
     const std::string text = remark(row);

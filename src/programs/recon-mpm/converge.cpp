@@ -71,18 +71,23 @@ void print_table(const std::vector<mpm::ConvergenceRow>& rows, const std::string
   };
   double time = -1;
   std::vector<double> times;
-  for (const auto& row : rows) times.push_back(row.time);
+  std::vector<std::string> names;
+  for (const auto& row : rows) {
+    times.push_back(row.time);
+    names.push_back(row.method);
+  }
+  const int width = name_width(14, names);
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   for (const double t : times) {
-    std::printf("%stime %s, %s norm\n%-14s %6s", time < 0 ? "" : "\n", number(t).c_str(),
-                norm.c_str(), "method", "cells");
+    std::printf("%stime %s, %s norm\n%-*s %6s", time < 0 ? "" : "\n", number(t).c_str(),
+                norm.c_str(), width, "method", "cells");
     time = t;
     for (const char* field : mpm::error_fields) std::printf("  %12s order", field);
     std::printf("\n");
     for (const auto& row : rows) {
       if (row.time != t || row.norm != norm || row.field != mpm::error_fields[0]) continue;
-      std::printf("%-14s %6d", row.method.c_str(), row.cells);
+      std::printf("%-*s %6d", width, row.method.c_str(), row.cells);
       for (const char* field : mpm::error_fields) {
         const auto at = find(row, field);
         std::printf("  %12s %5s", or_dash(at.error, "%.3e").c_str(),

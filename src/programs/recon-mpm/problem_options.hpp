@@ -1,6 +1,7 @@
 // What all subcommands that read a problem file understand.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -23,5 +24,11 @@ struct ProblemOptions {
 // Names of methods with commas between them; all methods for an empty text. Fails as wrong usage of
 // --methods for one that is not known.
 std::vector<std::string> method_names(const std::string& list);
+
+// The width of a column for the methods' names, at least this: compositions are long.
+inline int name_width(std::size_t least, const std::vector<std::string>& names) {
+  for (const std::string& name : names) least = std::max(least, name.size());
+  return static_cast<int>(least);
+}
 
 }  // namespace recon::program

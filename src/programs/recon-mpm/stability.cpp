@@ -23,8 +23,9 @@ void run(const Options& options) {
   if (!options.picture.empty())
     with_exit_code(wrong_usage, [&] { require_picture_extension(options.picture); });
   std::vector<mpm::Method> methods;
-  for (const std::string& name : method_names(options.methods))
-    methods.push_back(mpm::composed(name));
+  const std::vector<std::string> names = method_names(options.methods);
+  for (const std::string& name : names) methods.push_back(mpm::composed(name));
+  const int width = name_width(14, names);
   std::vector<int> counts;
   for (const std::string& word : split(options.particles)) {
     const auto count = to_number(word);
@@ -33,12 +34,12 @@ void run(const Options& options) {
     counts.push_back(static_cast<int>(*count));
   }
   if (options.dimension > 1) {
-    std::printf("largest stable c_p dt / h in %d-D\n%-20s %9s %9s %9s\n", options.dimension,
-                "method", "particles", "measured", "default");
+    std::printf("largest stable c_p dt / h in %d-D\n%-*s %9s %9s %9s\n", options.dimension,
+                name_width(20, names), "method", "particles", "measured", "default");
     for (const mpm::Method& method : methods)
       for (const int count : counts) {
         if (method.basis == mpm::Basis::q8 && options.dimension == 3) continue;
-        std::printf("%-20s %9d %9.3f %9.3f\n", method.name.c_str(), count,
+        std::printf("%-*s %9d %9.3f %9.3f\n", name_width(20, names), method.name.c_str(), count,
                     mpm::stability_limit(method, count, options.dimension).measured,
                     method.default_courant(options.dimension));
         std::fflush(stdout);
@@ -47,12 +48,12 @@ void run(const Options& options) {
   }
   std::printf(
       "largest stable c_p dt / h in 1-D, measured and 1 / sqrt(Q (2 - W))\n"
-      "%-14s %9s %9s %9s %7s %7s\n",
-      "method", "particles", "measured", "analytic", "W", "Q");
+      "%-*s %9s %9s %9s %7s %7s\n",
+      width, "method", "particles", "measured", "analytic", "W", "Q");
   for (const mpm::Method& method : methods)
     for (const int count : counts) {
       const auto limit = mpm::stability_limit(method, count);
-      std::printf("%-14s %9d %9.3f %9.3f %7.4f %7.4f\n", limit.method.c_str(), count,
+      std::printf("%-*s %9d %9.3f %9.3f %7.4f %7.4f\n", width, limit.method.c_str(), count,
                   limit.measured, limit.analytic, limit.W, limit.Q);
       std::fflush(stdout);
     }
@@ -67,7 +68,7 @@ void run(const Options& options) {
   std::vector<std::vector<mpm::DispersionPoint>> curves;
   for (const mpm::Method& method : methods) {
     curves.push_back(mpm::dispersion(method, per_cell, courant));
-    std::printf(" %13s", method.name.c_str());
+    std::printf(" %*s", name_width(13, {method.name}), method.name.c_str());
     auto& curve = plot.curves.emplace_back();
     curve.name = method.name;
     for (const auto& point : curves.back()) {
@@ -82,7 +83,8 @@ void run(const Options& options) {
   for (std::size_t i = 0; i < curves.front().size(); ++i) {
     const auto& point = curves.front()[i];
     std::printf("%-14.3f", point.kh / 3.14159265358979);
-    for (const auto& curve : curves) std::printf(" %13.4f", curve[i].measured);
+    for (std::size_t m = 0; m < curves.size(); ++m)
+      std::printf(" %*.4f", name_width(13, {names[m]}), curves[m][i].measured);
     std::printf(" %13.4f\n", point.analytic);
     exact.x.push_back(point.kh / 3.14159265358979);
     exact.y.push_back(point.analytic);
