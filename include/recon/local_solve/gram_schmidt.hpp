@@ -365,13 +365,13 @@ class GramSchmidt {
   // Returns false where nothing is left.
   constexpr bool keep_direction(const T* direction, Jet direction_jet, T size, int n) {
     T* column = kept().next_column();
-    std::copy(direction, direction + n, column);
+    detail::copy_numbers(direction, n, column);
     scale(column, direction_jet.data(), T(1) / size, n);
     kept().project_out(column, direction_jet.data(), kept().rank());
     const T left = dot(column, column, n);
     if (!(left > T(0.25))) return false;
     scale(column, direction_jet.data(), T(1) / detail::square_root(left), n);
-    std::copy(direction_jet.begin(), direction_jet.end(), kept().next_jet());
+    detail::copy_numbers(direction_jet.data(), Result::jets, kept().next_jet());
     kept().keep();
     return true;
   }

@@ -22,6 +22,7 @@
 
 #include "recon/basis/monomials.hpp"
 #include "recon/core/lanes.hpp"
+#include "recon/core/memory.hpp"
 #include "recon/core/sums.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 
@@ -52,7 +53,7 @@ class MomentMatrix {
             for (int j = 0; j <= i; ++j) part[i * m + j] += cloud.w[p] * terms[i] * terms[j];
         }
       });
-      for (int i = 0; i < m; ++i) std::copy_n(sums.data() + i * m, m, lower_[i].data());
+      for (int i = 0; i < m; ++i) detail::copy_numbers(sums.data() + i * m, m, lower_[i].data());
       return factor(cloud.noise);
     }
   }
@@ -127,7 +128,7 @@ class MomentMatrix {
                                        }
                                      });
       for (int d = 0; d < D; ++d) {
-        std::copy_n(sides.data() + d * m, m, first[d].data());
+        detail::copy_numbers(sides.data() + d * m, m, first[d].data());
         first[d] = solve(first[d]);
       }
     }

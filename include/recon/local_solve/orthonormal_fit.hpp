@@ -265,7 +265,7 @@ class OrthonormalFit {
   // those before it.
   constexpr void add_unresolved(const T* c) {
     T* const added = unresolved(unresolved_);
-    std::copy(c, c + rank_, added);
+    detail::copy_numbers(c, rank_, added);
     const auto dot = [this](const T* a, const T* b) {
       T sum = T(0);
       for (int j = 0; j < rank_; ++j) sum += a[j] * b[j];
@@ -309,7 +309,7 @@ class OrthonormalFit {
       projected[a] = Terms::of_forms(Terms::exponents_of(a), resolution_.projector);
     for (int j = 0; j < rank_; ++j) {
       Jet whole;
-      std::copy_n(jet(j), jets, whole.begin());
+      detail::copy_numbers(jet(j), jets, whole.data());
       for (int k = 1; k <= jet_order; ++k)
         for (int b = Terms::begin(k); b < Terms::begin(k + 1); ++b) {
           jet(j)[b] = T(0);
