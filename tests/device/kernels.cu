@@ -3,9 +3,11 @@
 // Ten thousand targets with neighbours of their own: random clouds, and among them planes, lines,
 // clusters, few particles and copies of one, which take every path of the graded Gram-Schmidt. Each
 // is fitted by the moment matrix and by Gram-Schmidt, with memory of compile-time size and with
-// memory handed in. Printed are the largest differences and the times; the exit status is 1 where a
-// difference exceeds 1e-10 of the largest number of its kind, or a report differs in what was kept,
-// and 77 where there is no GPU.
+// memory handed in. Printed are the largest differences, relative to the largest number of their kind
+// of the target, and the times. The exit status is 1 where such a difference exceeds what rounding
+// may do, 64 eps a / s with the amplification a >= 1 and the smallest pivot s of the report, or a
+// report differs in what was kept, and 77 where there is no GPU. (A host that fuses products and
+// sums, and one that does not, differ as much: by 2e-10 in a cluster with s = 2e-7.)
 //
 // A device may handle a target by the other path of two that agree (a pivot beside its threshold):
 // that is counted, and the numbers must agree all the same.
@@ -13,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -118,9 +121,14 @@ Clouds make_clouds() {
   return clouds;
 }
 
-// The larger of `worst` and the largest difference, relative to the largest number of the kind.
-double compare(const std::vector<double>& host, const std::vector<double>& device, int kind,
-               double worst) {
+// The largest difference of a target relative to its largest number of the kind; and the same in
+// units of what rounding may do.
+struct Difference {
+  double largest = 0, of_bound = 0;
+};
+Difference compare(const std::vector<double>& host, const std::vector<double>& device,
+                   const std::vector<recon::FitReport>& reports, int kind) {
+  Difference worst;
   for (std::size_t t = 0; t < targets; ++t) {
     double largest = 0, difference = 0;
     for (std::size_t i = 0; i < most; ++i) {
@@ -133,7 +141,13 @@ double compare(const std::vector<double>& host, const std::vector<double>& devic
         if (!(apart <= difference)) difference = apart;  // NaN too
       }
     }
-    if (difference != 0 && !(difference / largest <= worst)) worst = difference / largest;
+    if (difference == 0) continue;
+    const double relative = difference / largest;
+    const double bound = 64 * std::numeric_limits<double>::epsilon() *
+                         std::fmax(1.0, static_cast<double>(reports[t].amplification)) /
+                         static_cast<double>(reports[t].smallest_pivot);
+    if (!(relative <= worst.largest)) worst.largest = relative;
+    if (!(relative <= worst.of_bound * bound)) worst.of_bound = relative / bound;
   }
   return worst;
 }
@@ -216,22 +230,24 @@ int main() {
                   a.gradient_rank == b.gradient_rank && a.hessian_rank == b.hessian_rank);
         by_the_other_solver += a.solver != b.solver;
       }
-      const double value = compare(host, device, 0, 0), gradient = compare(host, device, 1, 0),
-                   hessian = compare(host, device, 2, 0);
+      const Difference value = compare(host, device, host_reports, 0),
+                       gradient = compare(host, device, host_reports, 1),
+                       hessian = compare(host, device, host_reports, 2);
+      const double of_bound =
+          std::fmax(value.of_bound, std::fmax(gradient.of_bound, hessian.of_bound));
       std::printf(
-          "%-14s memory %-17s largest difference: values %.1e, gradients %.1e, Hessians %.1e; "
-          "reports "
-          "%d, by the other solver %d; %.1f ns a target on the device, %.0f on one thread of the "
-          "host\n",
-          recon::name_of(solver).data(), handed ? "handed in," : "of compile time,", value,
-          gradient, hessian, kept, by_the_other_solver, 1e6 * best / targets,
+          "%-14s memory %-17s largest difference: values %.1e, gradients %.1e, Hessians %.1e, %.3f of "
+          "what rounding may do; reports %d, by the other solver %d; %.1f ns a target on the device, "
+          "%.0f on one thread of the host\n",
+          recon::name_of(solver).data(), handed ? "handed in," : "of compile time,", value.largest,
+          gradient.largest, hessian.largest, of_bound, kept, by_the_other_solver, 1e6 * best / targets,
           host_time.count() / targets);
-      good = good && value <= 1e-10 && gradient <= 1e-10 && hessian <= 1e-10 && kept == 0;
+      good = good && of_bound <= 1 && kept == 0;
     }
   for (void* each :
        {static_cast<void*>(at), static_cast<void*>(target), static_cast<void*>(count),
         static_cast<void*>(out), static_cast<void*>(reports), static_cast<void*>(memory)})
     CHECK(cudaFree(each));
-  std::puts(good ? "equal" : "NOT EQUAL: differences above 1e-10, or other reports");
+  std::puts(good ? "equal" : "NOT EQUAL: differences beyond rounding, or other reports");
   return good ? 0 : 1;
 }
