@@ -107,6 +107,12 @@ TESTS = {
     "a step longer than the method bears, a method known to break there":
         ["programs.MpmProgram.StabilityLimits", "mpm.Stability.LimitFollowsFromTheMaps",
          "mpm.Elements.WithStressBreakWhenAMassChangesItsSign"],
+    "choices of a method that do not go together, unknown words in a composition":
+        ["mpm.Methods.SayWhyChoicesAreRefused", "mpm.Methods.AreComposed", "mpm.MpmFiles.MethodsAreComposed"],
+    "a point of another dimension than the grid's in `scatter` and `gather`":
+        ["structure.scatter_of_another_dimension_is_refused_arrays",
+         "structure.scatter_of_another_dimension_is_refused_eigen",
+         "structure.scatter_of_another_dimension_is_refused_one_point"],
     "a checkpoint that is damaged, or of another problem":
         ["mpm.MpmCheckpoint.BelongsToItsProblem", "mpm.MpmCheckpoint.DamageIsFound",
          "mpm.MpmCheckpoint.ContentsAreCheckedBeforeTheyAreUsed", "mpm.MpmCheckpoint.ChangedCopiesDoNotCrash"],
