@@ -28,7 +28,7 @@ constexpr int numbers = recon::detail::jet_size(D);  // phi and its derivatives
 
 using Terms = recon::Monomials<D, 2>;
 using Weight = recon::BSpline<3>;
-using Fixed = recon::TargetShapes<Terms, Weight, double, recon::AtMost<most>>;
+using Fixed = recon::TargetShapes<Terms, Weight, double, recon::RoomFor<most>>;
 using Handed = recon::TargetShapes<Terms, Weight, double, recon::Given>;
 constexpr std::size_t bytes = Handed::bytes_for(most);
 

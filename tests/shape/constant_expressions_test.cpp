@@ -88,7 +88,7 @@ struct Outcome {
 
 template <class W, WeightForm form>
 constexpr Outcome fit(const std::array<std::array<double, 2>, 7>& points, Solver solver) {
-  TargetShapes<Monomials<2, 2>, W, double, AtMost<7>> shapes(W{}, solver, form);
+  TargetShapes<Monomials<2, 2>, W, double, RoomFor<7>> shapes(W{}, solver, form);
   Outcome outcome;
   outcome.report = shapes.fit(target, 1.1, 7, [&](int i) {
     return std::array<double, 2>{points[i][0] - target[0], points[i][1] - target[1]};

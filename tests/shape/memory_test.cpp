@@ -19,7 +19,7 @@ constexpr long allocations = 0;
 constexpr int D = 3, most = 150;
 using Terms = Monomials<D, 2>;
 using Growable = TargetShapes<Terms, BSpline<3>>;
-using Fixed = TargetShapes<Terms, BSpline<3>, double, AtMost<most>>;
+using Fixed = TargetShapes<Terms, BSpline<3>, double, RoomFor<most>>;
 using Handed = TargetShapes<Terms, BSpline<3>, double, Given>;
 
 template <class Shapes>
@@ -101,11 +101,11 @@ TEST(Memory, SolversTakeWhatTheySay) {
 }
 
 TEST(Memory, TooManyParticlesAreRefused) {
-  TargetShapes<Monomials<1, 1>, BSpline<1>, double, AtMost<3>> shapes(BSpline<1>{});
+  TargetShapes<Monomials<1, 1>, BSpline<1>, double, RoomFor<3>> shapes(BSpline<1>{});
   const auto offset = [](int i) { return std::array<double, 1>{0.1 * i - 0.15}; };
   EXPECT_EQ(shapes.fit({0}, 1, 3, offset).degree, 1);
   const std::string message = message_of([&] { shapes.fit({0}, 1, 4, offset); });
-  EXPECT_NE(message.find("must not exceed what AtMost or Given provide"), std::string::npos)
+  EXPECT_NE(message.find("must not exceed what RoomFor or Given provide"), std::string::npos)
       << message;
   EXPECT_EQ(shapes.fit({0}, 1, 2, offset).degree, 1);
   std::array<std::byte, 16> few;

@@ -3,11 +3,11 @@
 // A kernel is a template over one of these, which is also an argument of its constructor:
 //   Growing     std::vector: grows to the largest target, so that nothing is allocated once warm.
 //               The default.
-//   AtMost<n>   arrays within the object, for at most n particles: for constant expressions, and
+//   RoomFor<n>   arrays within the object, for at most n particles: for constant expressions, and
 //               for the threads of a GPU.
 //   Given       memory handed in by the caller, for at most as many particles as the caller says.
 //               Copies of such a kernel share the memory.
-// With AtMost and Given nothing is allocated. A target with more particles than there is room for
+// With RoomFor and Given nothing is allocated. A target with more particles than there is room for
 // throws InvalidArgument; in device code, which cannot throw, it ends the kernel with a trap.
 //
 // ```cpp
@@ -75,7 +75,7 @@ struct Growing {
 };
 
 template <int most>
-struct AtMost {
+struct RoomFor {
   static_assert(most > 0);
   template <class U, std::size_t fixed, std::size_t each>
   using Store = std::array<U, fixed + each * most>;
@@ -118,7 +118,7 @@ constexpr void provide(Store& store, std::size_t count) {
     if (store.size() < count) store.resize(count);
   } else {
     require(count <= store.size(), "numbers asked of the memory for one target", count,
-            "must not exceed what AtMost or Given provide: the target has too many particles");
+            "must not exceed what RoomFor or Given provide: the target has too many particles");
   }
 }
 

@@ -6,7 +6,7 @@
 //
 // ```cpp
 //   using Shapes =
-//       recon::TargetShapes<recon::Monomials<2, 2>, recon::BSpline<3>, double, recon::AtMost<32>>;
+//       recon::TargetShapes<recon::Monomials<2, 2>, recon::BSpline<3>, double, recon::RoomFor<32>>;
 //   Shapes shapes(recon::BSpline<3>{}, recon::Solver::moment_matrix);
 //   const auto offset = [&](int i) {
 //     return std::array<double, 2>{position[i][0] - x[0], position[i][1] - x[1]};
