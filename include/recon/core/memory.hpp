@@ -3,7 +3,7 @@
 // A kernel is a template over one of these, which is also an argument of its constructor:
 //   Growing     std::vector: grows to the largest target, so that nothing is allocated once warm.
 //               The default.
-//   RoomFor<n>   arrays within the object, for at most n particles: for constant expressions, and
+//   RoomFor<n>  arrays within the object, for at most n particles: for constant expressions, and
 //               for the threads of a GPU.
 //   Given       memory handed in by the caller, for at most as many particles as the caller says.
 //               Copies of such a kernel share the memory.
