@@ -104,8 +104,8 @@ class Given {
 
 namespace detail {
 
-// to[0 .. count - 1] = from[0 .. count - 1]. A loop of its own: in device code std::copy of libstdc++
-// 12, compiled by nvcc 13, was seen to copy nothing.
+// to[0 .. count - 1] = from[0 .. count - 1]. A loop of its own: in device code, compiled by nvcc 13,
+// std::copy of libstdc++ 12 was seen to copy nothing.
 template <class T>
 constexpr void copy_numbers(const T* from, int count, T* to) {
   for (int i = 0; i < count; ++i) to[i] = from[i];
