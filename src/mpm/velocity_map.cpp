@@ -114,7 +114,7 @@ struct WithCorners {
     const std::size_t count = particles.size();
     x.resize(count * (1 + corner_count));
     v.resize(x.size());
-    parallel_blocks(count, 1024, threads, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(count, particles_per_block, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) {
         const auto corners = particles.domain(p);
         for (std::size_t a = 0; a < corner_count; ++a) {
