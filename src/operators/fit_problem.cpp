@@ -64,11 +64,12 @@ void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, NeighbourList<S
   require(!cloud_->domain().any() || neighbours.indices.empty() || !neighbours.shifts.empty(),
           "neighbours", "without shifts", "must have shifts in a periodic domain");
   for (std::size_t e = 0; e < neighbours.shifts.size(); ++e)
-    for (int d = 0; d < max_dimension; ++d)
-      if (neighbours.shifts[e][d] != 0 && !cloud_->domain().periodic[d]) [[unlikely]]
-        throw_invalid(
-            "shift of entry " + std::to_string(e) + " along " + "xyz" [d],
-            int { neighbours.shifts[e][d] }, "must be 0 where the domain is not periodic");
+    for (int d = 0; d < max_dimension; ++d) {
+      const int shift = neighbours.shifts[e][d];
+      if (shift == 0 || cloud_->domain().periodic[d]) continue;
+      throw_invalid("shift of entry " + std::to_string(e) + " along " + "xyz"[d], shift,
+                    "must be 0 where the domain is not periodic");
+    }
   cloud_->take_targets(targets, "targets", options_.threads, incoming_);
   given_ = std::move(neighbours);
   own_neighbours_ = true;
