@@ -10,7 +10,7 @@
 # Boost and nanoflann, which recon::recon can be built without, are included in one file each.
 cmake_minimum_required(VERSION 3.22)
 
-set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer fields io mpm)
+set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer fields io mpm bindings c python)
 set(last_of_recon transfer)
 set(headers_about_boost include/recon/points/boost_geometry.hpp)
 set(includes_boost src/neighbourhood/r_tree.cpp)
