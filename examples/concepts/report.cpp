@@ -1,8 +1,8 @@
 // The report: what a neighbourhood determines is kept, and the rest is said.
 //
 // Five targets ask for degree 2 in the plane (6 terms: a constant, two slopes, three curvatures).
-// The data are u = 1 + x + 2 y + x y. The value on the line is right, 18.68, though nothing is known
-// beside it; that at the middle of the circle is not: x^2 + y^2 is a constant on the circle.
+// The data are u = 1 + x + 2 y + x y. On the line the value is right, 18.68, though nothing is
+// known beside it; in the circle it is, too, because the term that is lost, x^2 + y^2, is none of u.
 #include <recon/points/generate.hpp>
 #include <recon/recon.hpp>
 
