@@ -2,7 +2,7 @@
 //
 // Five targets ask for degree 2 in the plane (6 terms: a constant, two slopes, three curvatures).
 // The data are u = 1 + x + 2 y + x y. On the line the value is right, 18.68, though nothing is
-// known beside it; in the circle it is, too, because the term that is lost, x^2 + y^2, is none of u.
+// known beside it; in the circle it is, too: the term that is lost, x^2 + y^2, is none of u.
 #include <recon/points/generate.hpp>
 #include <recon/recon.hpp>
 
