@@ -99,6 +99,7 @@ void define_operators(py::module_& module);
 void define_reports(py::module_& module);
 void define_grid(py::module_& module);
 void define_io(py::module_& module);
+void define_simulation(py::module_& module);
 void define_errors(py::module_& module);
 
 }  // namespace recon::python

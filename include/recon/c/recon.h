@@ -207,7 +207,7 @@ double recon_simulation_end(const recon_simulation *simulation);
 /* The step that the rule of the problem gives. */
 recon_status recon_simulation_choose_step(const recon_simulation *simulation, double *dt);
 recon_status recon_simulation_step(recon_simulation *simulation, double dt);
-/* Steps of the problem's rule until this time exactly. */
+/* Steps of the problem's rule until this time, to rounding. */
 recon_status recon_simulation_run_until(recon_simulation *simulation, double time);
 /* What particles carry, as it is now: x, X, v (length `dimension` each), F, L, stress, half_edges (row
  * after row), mass, volume0, energy. Valid until the next step. */
