@@ -21,20 +21,32 @@ struct Known {
 };
 
 constexpr std::array known{
-    Known{"degree", Said::number},           Known{"weight", Said::text},
-    Known{"form", Said::text},               Known{"particle_weights", Said::other},
-    Known{"neighbours", Said::other},        Known{"solver", Said::text},
-    Known{"stretch", Said::other},           Known{"domain", Said::other},
-    Known{"search", Said::text},             Known{"visible", Said::other},
-    Known{"max_distance", Said::number},     Known{"grow", Said::other},
-    Known{"grow.steps", Said::number},       Known{"grow.factor", Said::number},
-    Known{"unsupported", Said::text},        Known{"fill_value", Said::number},
-    Known{"tolerances", Said::other},        Known{"tolerances.rank", Said::number},
+    Known{"degree", Said::number},
+    Known{"weight", Said::text},
+    Known{"form", Said::text},
+    Known{"particle_weights", Said::other},
+    Known{"neighbours", Said::other},
+    Known{"solver", Said::text},
+    Known{"stretch", Said::other},
+    Known{"domain", Said::other},
+    Known{"search", Said::text},
+    Known{"visible", Said::other},
+    Known{"max_distance", Said::number},
+    Known{"grow", Said::other},
+    Known{"grow.steps", Said::number},
+    Known{"grow.factor", Said::number},
+    Known{"unsupported", Said::text},
+    Known{"fill_value", Said::number},
+    Known{"tolerances", Said::other},
+    Known{"tolerances.rank", Said::number},
     Known{"tolerances.leverage", Said::number},
     Known{"tolerances.gradient_extent", Said::number},
-    Known{"threads", Said::number},          Known{"instruction_set", Said::text},
-    Known{"progress", Said::other},          Known{"method", Said::text},
-    Known{"radius", Said::number},           Known{"nearest", Said::number},
+    Known{"threads", Said::number},
+    Known{"instruction_set", Said::text},
+    Known{"progress", Said::other},
+    Known{"method", Said::text},
+    Known{"radius", Said::number},
+    Known{"nearest", Said::number},
 };
 
 const Known& find(std::string_view name) {
@@ -77,7 +89,9 @@ void refuse_name(const char* argument, std::string_view name, std::span<const st
   throw_invalid(argument, "'" + std::string(name) + "'", "is not known; " + suggest(name, valid));
 }
 
-void require_option(std::string_view name) { find(name); }
+void require_option(std::string_view name) {
+  find(name);
+}
 
 std::size_t whole_number(const char* argument, double number) {
   require(number == std::floor(number) && number >= 0 && number <= 9e15, argument, number,
@@ -113,10 +127,10 @@ Solver solver_of(std::string_view name) {
 }
 
 SearchMethod search_of(std::string_view name) {
-  static constexpr auto names = table(
-      row("automatic", SearchMethod::automatic), row("kd_tree", SearchMethod::kd_tree),
-      row("r_tree", SearchMethod::r_tree), row("cell_grid", SearchMethod::cell_grid),
-      row("brute_force", SearchMethod::brute_force));
+  static constexpr auto names =
+      table(row("automatic", SearchMethod::automatic), row("kd_tree", SearchMethod::kd_tree),
+            row("r_tree", SearchMethod::r_tree), row("cell_grid", SearchMethod::cell_grid),
+            row("brute_force", SearchMethod::brute_force));
   return named("search", name, names);
 }
 
@@ -127,9 +141,9 @@ Unsupported unsupported_of(std::string_view name) {
 }
 
 InstructionSet instruction_set_of(std::string_view name) {
-  static constexpr auto names = table(
-      row("automatic", InstructionSet::automatic), row("generic", InstructionSet::generic),
-      row("avx2", InstructionSet::avx2), row("avx512", InstructionSet::avx512));
+  static constexpr auto names =
+      table(row("automatic", InstructionSet::automatic), row("generic", InstructionSet::generic),
+            row("avx2", InstructionSet::avx2), row("avx512", InstructionSet::avx512));
   return named("instruction_set", name, names);
 }
 
@@ -152,7 +166,9 @@ PairSupport pair_support_of(std::string_view name) {
   return named("support", name, names);
 }
 
-void NamedOptions::said(std::string_view name) { said_.emplace(find(name).name); }
+void NamedOptions::said(std::string_view name) {
+  said_.emplace(find(name).name);
+}
 
 void NamedOptions::set(std::string_view name, double number) {
   const Known& option = find(name);
@@ -226,7 +242,8 @@ Options NamedOptions::finished() const {
   }
   for (const char* shorter : {"radius", "nearest"})
     if (said_.contains(shorter) && said_.contains("neighbours"))
-      throw_invalid(shorter, "given", "stands for neighbours, which are given too: say one of both");
+      throw_invalid(shorter, "given",
+                    "stands for neighbours, which are given too: say one of both");
   if (nearest_ && radius_)
     all.neighbours = NearestWithin(*nearest_, *radius_);
   else if (nearest_)

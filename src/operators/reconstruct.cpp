@@ -177,12 +177,14 @@ std::vector<AnyOperator<Scalar>> BasicReconstruction<Scalar>::operators(
     std::span<const AnyFunctional> functionals) const {
   std::vector<detail::ComponentFunctional> bases;
   for (const AnyFunctional& any : functionals)
-    bases.push_back(std::visit([](const auto& functional) { return detail::base_of(functional); }, any));
+    bases.push_back(
+        std::visit([](const auto& functional) { return detail::base_of(functional); }, any));
   std::vector<CsrOperator<Scalar>> made = operators_of(bases);
   std::vector<AnyOperator<Scalar>> all;
   for (std::size_t i = 0; i < functionals.size(); ++i)
-    std::visit([&](const auto& functional) { all.emplace_back(finished(std::move(made[i]), functional)); },
-               functionals[i]);
+    std::visit(
+        [&](const auto& functional) { all.emplace_back(finished(std::move(made[i]), functional)); },
+        functionals[i]);
   return all;
 }
 

@@ -11,9 +11,13 @@ namespace {
 
 using detail::throw_invalid;
 
-py::object numpy(const char* name) { return py::module_::import("numpy").attr(name); }
+py::object numpy(const char* name) {
+  return py::module_::import("numpy").attr(name);
+}
 
-std::string shape_text(const py::array& array) { return text_of(array.attr("shape")); }
+std::string shape_text(const py::array& array) {
+  return text_of(array.attr("shape"));
+}
 
 py::array any_array(py::handle object, const char* name) {
   py::array array = py::array::ensure(object);
@@ -65,8 +69,7 @@ const void* address(const py::array& array, py::ssize_t axis, py::ssize_t index)
 AnyPoints view_of(Precision precision, std::size_t size, int dimension,
                   const std::array<const void*, max_dimension>& base,
                   const std::array<std::ptrdiff_t, max_dimension>& stride) {
-  if (precision == Precision::float32)
-    return PointsView<float>(size, dimension, base, stride);
+  if (precision == Precision::float32) return PointsView<float>(size, dimension, base, stride);
   return PointsView<double>(size, dimension, base, stride);
 }
 
@@ -85,12 +88,12 @@ Points points_of_columns(const py::tuple& columns, const char* name,
   }
   Points points;
   points.rows.size = static_cast<std::size_t>(arrays[0].ndim() == 1 ? arrays[0].shape(0) : 0);
-  const Precision common =
-      precision.value_or(all_float ? Precision::float32 : Precision::float64);
+  const Precision common = precision.value_or(all_float ? Precision::float32 : Precision::float64);
   std::vector<bool> shown(points.rows.size, true);
   for (int d = 0; d < dimension; ++d) {
     if (arrays[d].ndim() != 1)
-      throw_invalid(what, shape_text(arrays[d]), "must have arrays of one dimension, one for each axis");
+      throw_invalid(what, shape_text(arrays[d]),
+                    "must have arrays of one dimension, one for each axis");
     if (static_cast<std::size_t>(arrays[d].shape(0)) != points.rows.size)
       throw_invalid("length of a coordinate array", arrays[d].shape(0),
                     "must equal the length of the first coordinate array");
@@ -122,8 +125,8 @@ Points points_of_table(const ParticleTable& table, py::handle object,
   const PointsView<double> view = table.positions();
   points.rows.size = view.size();
   if (precision == Precision::float32) {
-    py::array_t<float> copy({static_cast<py::ssize_t>(view.size()),
-                             static_cast<py::ssize_t>(view.dimension())});
+    py::array_t<float> copy(
+        {static_cast<py::ssize_t>(view.size()), static_cast<py::ssize_t>(view.dimension())});
     float* to = copy.mutable_data();
     for (std::size_t i = 0; i < view.size(); ++i)
       for (int d = 0; d < view.dimension(); ++d) *to++ = static_cast<float>(view(i, d));
@@ -136,7 +139,9 @@ Points points_of_table(const ParticleTable& table, py::handle object,
 
 }  // namespace
 
-std::string text_of(py::handle object) { return py::str(object).cast<std::string>(); }
+std::string text_of(py::handle object) {
+  return py::str(object).cast<std::string>();
+}
 
 bool is_masked(py::handle object) {
   return py::isinstance(object, numpy("ma").attr("MaskedArray"));
@@ -146,7 +151,8 @@ py::array real_array(py::handle object, const char* name, std::optional<Precisio
   py::array array = any_array(object, name);
   const char kind = array.dtype().kind();
   const auto refuse = [&] {
-    throw_invalid(name, "an array of " + text_of(array.dtype()), "must be an array of real numbers");
+    throw_invalid(name, "an array of " + text_of(array.dtype()),
+                  "must be an array of real numbers");
   };
   if (kind == 'O') {  // a table of mixed columns, or a list of numbers and None
     try {
@@ -159,9 +165,8 @@ py::array real_array(py::handle object, const char* name, std::optional<Precisio
     refuse();
   }
   const py::ssize_t size = array.itemsize();
-  const Precision wanted =
-      precision.value_or(array.dtype().kind() == 'f' && size == 4 ? Precision::float32
-                                                                  : Precision::float64);
+  const Precision wanted = precision.value_or(
+      array.dtype().kind() == 'f' && size == 4 ? Precision::float32 : Precision::float64);
   const bool as_it_is = array.dtype().kind() == 'f' &&
                         size == (wanted == Precision::float32 ? 4 : 8) &&
                         array.dtype().attr("isnative").cast<bool>() &&
@@ -184,15 +189,17 @@ Points points_of(py::handle object, const char* name, std::optional<Precision> p
     if (arrays && py::array::ensure(columns[0]).ndim() > 0)
       return points_of_columns(columns, name, precision);
   }
-  if (const ParticleTable* table = table_of(object)) return points_of_table(*table, object, precision);
+  if (const ParticleTable* table = table_of(object))
+    return points_of_table(*table, object, precision);
   py::array array = real_array(object, name, precision);
   if (array.ndim() != 1 && array.ndim() != 2)
     throw_invalid(name, "an array of shape " + shape_text(array),
                   "must have the shape (n, D), a row for each point, or (n,) in one dimension");
   const auto dimension = array.ndim() == 1 ? 1 : static_cast<int>(array.shape(1));
-  detail::require(dimension >= 1 && dimension <= max_dimension,
-                  ("columns of the " + std::string(name)).c_str(), dimension,
-                  "must be 1, 2 or 3 with a row per point (pass the transpose, .T, if points are columns)");
+  detail::require(
+      dimension >= 1 && dimension <= max_dimension, ("columns of the " + std::string(name)).c_str(),
+      dimension,
+      "must be 1, 2 or 3 with a row per point (pass the transpose, .T, if points are columns)");
   Points points;
   points.rows.size = static_cast<std::size_t>(array.shape(0));
   const py::object mask = mask_of(object);
@@ -205,9 +212,11 @@ Points points_of(py::handle object, const char* name, std::optional<Precision> p
     array = taken(array.attr("view")(numpy("ndarray")).cast<py::array>(), points.rows);
   }
   std::array<const void*, max_dimension> base{};
-  for (int d = 0; d < dimension; ++d) base[d] = array.ndim() == 1 ? array.data() : address(array, 1, d);
+  for (int d = 0; d < dimension; ++d)
+    base[d] = array.ndim() == 1 ? array.data() : address(array, 1, d);
   const std::ptrdiff_t step = array.strides(0);
-  points.view = view_of(precision_of_array(array), points.size(), dimension, base, {step, step, step});
+  points.view =
+      view_of(precision_of_array(array), points.size(), dimension, base, {step, step, step});
   points.kept.push_back(array);
   return points;
 }
@@ -215,7 +224,8 @@ Points points_of(py::handle object, const char* name, std::optional<Precision> p
 Points targets_of(py::handle object, std::optional<Precision> precision) {
   Points targets = points_of(object, "targets", precision);
   if (targets.rows.shown)
-    throw_invalid("targets", "an array with masked entries", "must be known: leave masked ones out");
+    throw_invalid("targets", "an array with masked entries",
+                  "must be known: leave masked ones out");
   return targets;
 }
 
@@ -232,8 +242,8 @@ Field<Scalar> field_of(py::handle object, const Rows& rows, const char* name) {
     if (arrays) {
       // Arrays of one kind are read where they lie; others become the columns of one array.
       std::vector<py::array> parts;
-      bool alike = columns.size() <= static_cast<std::size_t>(FieldView<Scalar>::most_arrays) &&
-                   !rows.shown;
+      bool alike =
+          columns.size() <= static_cast<std::size_t>(FieldView<Scalar>::most_arrays) && !rows.shown;
       for (py::handle column : columns) {
         parts.push_back(real_array(column, name, precision));
         alike = alike && parts.back().shape(0) == parts.front().shape(0) &&
@@ -252,8 +262,9 @@ Field<Scalar> field_of(py::handle object, const Rows& rows, const char* name) {
       }
       for (const py::array& part : parts)
         if (part.shape(0) != parts[0].shape(0))
-          throw_invalid(name, "arrays of " + std::to_string(parts[0].shape(0)) + " and " +
-                                  std::to_string(part.shape(0)) + " numbers",
+          throw_invalid(name,
+                        "arrays of " + std::to_string(parts[0].shape(0)) + " and " +
+                            std::to_string(part.shape(0)) + " numbers",
                         "must have components of one length");
       values = numpy("ma").attr("stack")(columns, py::arg("axis") = 1);
     }
@@ -265,9 +276,9 @@ Field<Scalar> field_of(py::handle object, const Rows& rows, const char* name) {
   const py::object mask = mask_of(values);
   if (!mask.is_none() || rows.shown) {
     if (rows.shown && size != rows.size)
-      throw_invalid("rows of the " + std::string(name), size,
-                    "must be one for each point, those that are masked too: " +
-                        std::to_string(rows.size));
+      throw_invalid(
+          "rows of the " + std::string(name), size,
+          "must be one for each point, those that are masked too: " + std::to_string(rows.size));
     const std::vector<bool> shown = rows_shown(mask, size);
     const auto require_shown = [&](std::size_t row) {
       if (!shown[row])
@@ -287,8 +298,7 @@ Field<Scalar> field_of(py::handle object, const Rows& rows, const char* name) {
     field.shape.push_back(array.shape(axis));
     components *= array.shape(axis);
   }
-  if (array.ndim() > 2)
-    array = array.attr("reshape")(array.shape(0), components).cast<py::array>();
+  if (array.ndim() > 2) array = array.attr("reshape")(array.shape(0), components).cast<py::array>();
   field.view = FieldView<Scalar>(static_cast<std::size_t>(array.shape(0)),
                                  static_cast<int>(components), array.data(), array.strides(0),
                                  array.ndim() == 1 ? bytes<Scalar> : array.strides(1));
@@ -335,7 +345,8 @@ py::array_t<Scalar> own_array(py::handle out, std::size_t size,
   if (!array.writeable()) throw_invalid("out", "a read-only array", "must be writeable");
   if (!array.attr("flags").attr("aligned").template cast<bool>() ||
       (array.ndim() > 2 && !(array.flags() & py::array::c_style)))
-    throw_invalid("out", "an array with gaps", "must be aligned and, beyond two axes, without gaps");
+    throw_invalid("out", "an array with gaps",
+                  "must be aligned and, beyond two axes, without gaps");
   return array;
 }
 
@@ -349,8 +360,7 @@ FieldSpan<Scalar> span_of(py::array_t<Scalar>& out, int components) {
 
 void require_apart(py::handle out, py::handle field) {
   const auto overlap = [&](py::handle one) {
-    if (py::isinstance<py::array>(one) &&
-        numpy("may_share_memory")(out, one).cast<bool>())
+    if (py::isinstance<py::array>(one) && numpy("may_share_memory")(out, one).cast<bool>())
       throw_invalid("out", "memory of the field", "must not overlap the field");
   };
   overlap(field);
@@ -378,12 +388,12 @@ py::array_t<Scalar> to_rows(py::array_t<Scalar> particles, const Rows& rows) {
   return all;
 }
 
-#define RECON_PYTHON_ARRAYS(Scalar)                                                         \
-  template Field<Scalar> field_of(py::handle, const Rows&, const char*);                    \
-  template py::array_t<Scalar> new_array(std::size_t, const std::vector<py::ssize_t>&);     \
-  template py::array_t<Scalar> own_array(py::handle, std::size_t,                           \
-                                         const std::vector<py::ssize_t>&);                  \
-  template FieldSpan<Scalar> span_of(py::array_t<Scalar>&, int);                            \
+#define RECON_PYTHON_ARRAYS(Scalar)                                                     \
+  template Field<Scalar> field_of(py::handle, const Rows&, const char*);                \
+  template py::array_t<Scalar> new_array(std::size_t, const std::vector<py::ssize_t>&); \
+  template py::array_t<Scalar> own_array(py::handle, std::size_t,                       \
+                                         const std::vector<py::ssize_t>&);              \
+  template FieldSpan<Scalar> span_of(py::array_t<Scalar>&, int);                        \
   template py::array_t<Scalar> to_rows(py::array_t<Scalar>, const Rows&);
 RECON_PYTHON_ARRAYS(float)
 RECON_PYTHON_ARRAYS(double)

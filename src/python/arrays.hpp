@@ -114,7 +114,8 @@ py::array_t<Scalar> to_rows(py::array_t<Scalar> particles, const Rows& rows);
 template <class T>
 py::capsule owner_of(T&& object) {
   auto held = std::make_unique<std::decay_t<T>>(std::forward<T>(object));
-  py::capsule capsule(held.get(), [](void* memory) { delete static_cast<std::decay_t<T>*>(memory); });
+  py::capsule capsule(held.get(),
+                      [](void* memory) { delete static_cast<std::decay_t<T>*>(memory); });
   held.release();
   return capsule;
 }

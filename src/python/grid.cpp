@@ -46,7 +46,8 @@ py::tuple on_grid(py::handle particles, const py::list& fields, py::handle grid_
     detail::throw_invalid("neighbours", "a NeighbourList",
                           "must be a rule: lists of one's own are for recon.reconstruct");
   GridApply apply;
-  if (!gradients.is_none()) apply.gradients = enumerator(gradients, "gradients", &bindings::derivative_of);
+  if (!gradients.is_none())
+    apply.gradients = enumerator(gradients, "gradients", &bindings::derivative_of);
   apply.limit = enumerator(limit, "limit", &bindings::limit_of);
   const StructuredGrid<double> grid = grid_of(grid_object);
 
@@ -63,8 +64,8 @@ py::tuple on_grid(py::handle particles, const py::list& fields, py::handle grid_
       const StructuredGrid<Scalar> own = grid_as<Scalar>(grid);
       *made = with_rows(rows, [&] {
         return points ? reconstruct_on_grid(points->as<Scalar>(), views, own, choice.options, apply)
-                      : reconstruct_on_grid(std::get<BasicSources<Scalar>>(cloud->sources), views, own,
-                                            choice.options, apply);
+                      : reconstruct_on_grid(std::get<BasicSources<Scalar>>(cloud->sources), views,
+                                            own, choice.options, apply);
       });
     }
     py::list shapes;
@@ -90,6 +91,8 @@ py::tuple on_grid(py::handle particles, const py::list& fields, py::handle grid_
 
 }  // namespace
 
-void define_grid(py::module_& m) { m.def("on_grid", &on_grid); }
+void define_grid(py::module_& m) {
+  m.def("on_grid", &on_grid);
+}
 
 }  // namespace recon::python

@@ -104,15 +104,17 @@ const ParticleTable* table_of(py::handle object) {
 }
 
 void define_io(py::module_& m) {
-  py::class_<ParticleTable, Table>(m, "ParticleTable", R"(One frame of a file: named columns, and what is known about the whole.
+  py::class_<ParticleTable, Table>(
+      m, "ParticleTable", R"(One frame of a file: named columns, and what is known about the whole.
 
 A mapping of names to arrays: ``table["vx"]`` is a view of the column, which cannot be written. It can stand
 for points wherever these are asked for.)")
       .def("__getitem__",
            [](const Table& t, const std::string& name) { return view_of(t, t->column(name)); })
-      .def("raw_column",
-           [](const Table& t, const std::string& name) { return view_of(t, t->raw_column(name)); },
-           py::arg("name"), "A column as it is, with NaN where a cell holds no number.")
+      .def(
+          "raw_column",
+          [](const Table& t, const std::string& name) { return view_of(t, t->raw_column(name)); },
+          py::arg("name"), "A column as it is, with NaN where a cell holds no number.")
       .def("keys", [](const Table& t) { return t->names(); })
       .def("__iter__", [](const Table& t) { return py::iter(py::cast(t->names())); })
       .def("__contains__", [](const Table& t, const std::string& name) { return t->has(name); })
@@ -124,58 +126,70 @@ for points wherever these are asked for.)")
                items.append(py::make_tuple(name, view_of(t, t->raw_column(name))));
              return items;
            })
-      .def_property_readonly("size", [](const Table& t) { return t->size(); }, "The number of particles.")
+      .def_property_readonly(
+          "size", [](const Table& t) { return t->size(); }, "The number of particles.")
       .def_property_readonly("dimension", [](const Table& t) { return t->dimension(); })
-      .def("positions",
-           [](const Table& t, int dimension) {
-             const PointsView<double> view = t->positions(dimension);
-             py::array_t<double> out({static_cast<py::ssize_t>(view.size()),
-                                      static_cast<py::ssize_t>(view.dimension())});
-             double* to = out.mutable_data();
-             for (std::size_t i = 0; i < view.size(); ++i)
-               for (int d = 0; d < view.dimension(); ++d) *to++ = view(i, d);
-             return out;
-           },
-           py::arg("dimension") = 0,
-           "The coordinates as an array of shape (n, D), a copy; 0: in as many dimensions as there are.")
-      .def("field",
-           [](const Table& t, const std::vector<std::string>& columns) {
-             NamedField field = t->field("field", columns);
-             const auto components = static_cast<py::ssize_t>(columns.size());
-             return vector_array(std::move(field.values)).attr("reshape")(-1, components);
-           },
-           py::arg("columns"), "Several columns as one array of shape (n, k), a copy.")
-      .def("coordinates", [](const Table& t, int dimension) { return t->coordinates(dimension); },
-           py::arg("dimension") = 0, "The names of the columns that hold the coordinates.")
-      .def("with_coordinates",
-           [](const Table& t, std::vector<std::string> columns) {
-             auto other = std::make_shared<ParticleTable>(*t);
-             other->set_coordinates(std::move(columns));
-             return other;
-           },
-           py::arg("columns"), "The same table with these columns as coordinates.")
-      .def("where",
-           [](const Table& t, py::array_t<bool, py::array::forcecast> kept) {
-             std::vector<bool> rows;
-             if (kept.ndim() != 1)
-               throw_invalid("kept", kept.ndim(), "must be an array of one dimension, a flag for each row");
-             for (py::ssize_t i = 0; i < kept.shape(0); ++i) rows.push_back(kept.at(i));
-             auto other = std::make_shared<ParticleTable>(*t);
-             other->keep_rows(rows);
-             return other;
-           },
-           py::arg("kept"), "A table of the rows whose flag is true.")
-      .def("without_missing",
-           [](const Table& t, const std::vector<std::string>& columns) {
-             auto other = std::make_shared<ParticleTable>(*t);
-             other->leave_out_missing(columns);
-             return other;
-           },
-           py::arg("columns"), "A table without the particles that have no value in these columns.")
-      .def("box", [](const Table& t, int dimension) { return box_of(t->box(dimension)); },
-           py::arg("dimension") = 0, "(lower, upper) of the simulation box or, without one, of the particles.")
-      .def("domain", [](const Table& t, int dimension) { return t->domain(dimension); },
-           py::arg("dimension") = 0, "The PeriodicDomain that the source says.")
+      .def(
+          "positions",
+          [](const Table& t, int dimension) {
+            const PointsView<double> view = t->positions(dimension);
+            py::array_t<double> out({static_cast<py::ssize_t>(view.size()),
+                                     static_cast<py::ssize_t>(view.dimension())});
+            double* to = out.mutable_data();
+            for (std::size_t i = 0; i < view.size(); ++i)
+              for (int d = 0; d < view.dimension(); ++d) *to++ = view(i, d);
+            return out;
+          },
+          py::arg("dimension") = 0,
+          "The coordinates as an array of shape (n, D), a copy; 0: in as many dimensions as there "
+          "are.")
+      .def(
+          "field",
+          [](const Table& t, const std::vector<std::string>& columns) {
+            NamedField field = t->field("field", columns);
+            const auto components = static_cast<py::ssize_t>(columns.size());
+            return vector_array(std::move(field.values)).attr("reshape")(-1, components);
+          },
+          py::arg("columns"), "Several columns as one array of shape (n, k), a copy.")
+      .def(
+          "coordinates", [](const Table& t, int dimension) { return t->coordinates(dimension); },
+          py::arg("dimension") = 0, "The names of the columns that hold the coordinates.")
+      .def(
+          "with_coordinates",
+          [](const Table& t, std::vector<std::string> columns) {
+            auto other = std::make_shared<ParticleTable>(*t);
+            other->set_coordinates(std::move(columns));
+            return other;
+          },
+          py::arg("columns"), "The same table with these columns as coordinates.")
+      .def(
+          "where",
+          [](const Table& t, py::array_t<bool, py::array::forcecast> kept) {
+            std::vector<bool> rows;
+            if (kept.ndim() != 1)
+              throw_invalid("kept", kept.ndim(),
+                            "must be an array of one dimension, a flag for each row");
+            for (py::ssize_t i = 0; i < kept.shape(0); ++i) rows.push_back(kept.at(i));
+            auto other = std::make_shared<ParticleTable>(*t);
+            other->keep_rows(rows);
+            return other;
+          },
+          py::arg("kept"), "A table of the rows whose flag is true.")
+      .def(
+          "without_missing",
+          [](const Table& t, const std::vector<std::string>& columns) {
+            auto other = std::make_shared<ParticleTable>(*t);
+            other->leave_out_missing(columns);
+            return other;
+          },
+          py::arg("columns"), "A table without the particles that have no value in these columns.")
+      .def(
+          "box", [](const Table& t, int dimension) { return box_of(t->box(dimension)); },
+          py::arg("dimension") = 0,
+          "(lower, upper) of the simulation box or, without one, of the particles.")
+      .def(
+          "domain", [](const Table& t, int dimension) { return t->domain(dimension); },
+          py::arg("dimension") = 0, "The PeriodicDomain that the source says.")
       .def_property_readonly("text_columns", [](const Table& t) { return t->text_columns(); })
       .def_readonly("source", &ParticleTable::source)
       .def_readonly("step", &ParticleTable::step)
@@ -183,7 +197,8 @@ for points wherever these are asked for.)")
       .def_readonly("units", &ParticleTable::units)
       .def_readonly("remarks", &ParticleTable::remarks)
       .def("__repr__", [](const Table& t) {
-        return "<recon.ParticleTable of " + std::to_string(t->size()) + " particles, " + t->source + ">";
+        return "<recon.ParticleTable of " + std::to_string(t->size()) + " particles, " + t->source +
+               ">";
       });
 
   m.def("read_particles",
@@ -195,29 +210,31 @@ for points wherever these are asked for.)")
           const py::gil_scoped_release release;
           return std::make_shared<ParticleTable>(read_particles(path, options));
         });
-  m.def("list_frames",
-        [](const std::filesystem::path& path, std::optional<std::vector<std::string>> columns,
-           std::size_t skip_rows) {
-          const ReadOptions options = read_options(-1, {}, {}, std::move(columns), skip_rows, {});
-          std::vector<FrameInfo> frames;
-          {
-            const py::gil_scoped_release release;
-            frames = list_frames(path, options);
-          }
-          py::list out;
-          for (const FrameInfo& info : frames) out.append(info_of(info));
-          return out;
-        });
-  py::class_<PyFrames>(m, "FrameReader", R"(All frames of a file in one pass, with the memory of one: an iterator of ParticleTable.)")
-      .def(py::init([](const std::filesystem::path& path, std::optional<std::vector<std::string>> columns,
-                       std::size_t skip_rows, std::optional<std::vector<std::string>> missing) {
+  m.def("list_frames", [](const std::filesystem::path& path,
+                          std::optional<std::vector<std::string>> columns, std::size_t skip_rows) {
+    const ReadOptions options = read_options(-1, {}, {}, std::move(columns), skip_rows, {});
+    std::vector<FrameInfo> frames;
+    {
+      const py::gil_scoped_release release;
+      frames = list_frames(path, options);
+    }
+    py::list out;
+    for (const FrameInfo& info : frames) out.append(info_of(info));
+    return out;
+  });
+  py::class_<PyFrames>(
+      m, "FrameReader",
+      R"(All frames of a file in one pass, with the memory of one: an iterator of ParticleTable.)")
+      .def(py::init([](const std::filesystem::path& path,
+                       std::optional<std::vector<std::string>> columns, std::size_t skip_rows,
+                       std::optional<std::vector<std::string>> missing) {
              const ReadOptions options =
                  read_options(-1, {}, {}, std::move(columns), skip_rows, std::move(missing));
              const py::gil_scoped_release release;
              return std::unique_ptr<PyFrames>(new PyFrames{FrameReader(path, options), {}});
            }),
-           py::arg("path"), py::kw_only(), py::arg("columns") = py::none(), py::arg("skip_rows") = 0,
-           py::arg("missing") = py::none())
+           py::arg("path"), py::kw_only(), py::arg("columns") = py::none(),
+           py::arg("skip_rows") = 0, py::arg("missing") = py::none())
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__",
            [](PyFrames& frames) {
@@ -230,8 +247,9 @@ for points wherever these are asked for.)")
              if (!table) throw py::stop_iteration();
              return std::make_shared<ParticleTable>(std::move(*table));
            })
-      .def_property_readonly("cut", [](const PyFrames& frames) { return frames.reader.cut(); },
-                             "After the last frame: why the file ends within another one, or \"\".");
+      .def_property_readonly(
+          "cut", [](const PyFrames& frames) { return frames.reader.cut(); },
+          "After the last frame: why the file ends within another one, or \"\".");
   m.def("write", &write_file);
 }
 

@@ -66,9 +66,7 @@ struct PyFit {
   std::optional<StructuredGrid<double>> grid;
   mutable Guard guard;
 
-  Precision precision() const {
-    return fit.index() == 0 ? Precision::float32 : Precision::float64;
-  }
+  Precision precision() const { return fit.index() == 0 ? Precision::float32 : Precision::float64; }
 };
 
 using AnyMap = std::variant<CsrOperator<float>, CsrOperator<double>, VectorOperator<float>,

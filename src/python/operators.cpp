@@ -87,12 +87,12 @@ py::object apply(const PyOperator& op, py::handle object, py::handle out) {
         const Rows& in = op.transposed ? targets : op.rows;
         const Field<Scalar> field = field_of<Scalar>(object, in);
         const std::size_t size = op.transposed ? map.columns() : map.rows();
-        const Shape shape = op.transposed ? transposed_shape(map, field.shape)
-                                          : result_shape(map, field.shape);
+        const Shape shape =
+            op.transposed ? transposed_shape(map, field.shape) : result_shape(map, field.shape);
         if (!out.is_none() && op.transposed && op.rows.shown)
           throw_invalid("out", "given", "cannot be used where points are masked");
-        py::array_t<Scalar> result = out.is_none() ? new_array<Scalar>(size, shape)
-                                                   : own_array<Scalar>(out, size, shape);
+        py::array_t<Scalar> result =
+            out.is_none() ? new_array<Scalar>(size, shape) : own_array<Scalar>(out, size, shape);
         if (!out.is_none()) require_apart(out, object);
         const auto components = static_cast<int>(product(shape));
         const FieldSpan<Scalar> span = span_of(result, std::max(components, 1));
@@ -120,8 +120,10 @@ py::object vector_product(PyOperator op, py::handle vector, bool transposed) {
       },
       *op.map);
   py::object field = py::module_::import("numpy").attr("asarray")(vector);
-  if (numbers > 1) field = field.attr("reshape")(size, numbers);
-  else field = field.attr("reshape")(-1);
+  if (numbers > 1)
+    field = field.attr("reshape")(size, numbers);
+  else
+    field = field.attr("reshape")(-1);
   return apply(op, field, py::none()).attr("reshape")(-1);
 }
 
@@ -135,7 +137,8 @@ py::tuple shape_of(const PyOperator& op, const Map& map) {
 // The sum of two operators, the second one times a factor.
 PyOperator sum(const PyOperator& a, const PyOperator& b, double factor) {
   if (a.transposed != b.transposed)
-    throw_invalid("operators", "one of them transposed", "must both be transposed to be added, or none");
+    throw_invalid("operators", "one of them transposed",
+                  "must both be transposed to be added, or none");
   PyOperator out = a;
   const auto lock = a.cloud->guard.read(sources_name);
   const py::gil_scoped_release release;
@@ -143,14 +146,17 @@ PyOperator sum(const PyOperator& a, const PyOperator& b, double factor) {
       [&](const auto& left, const auto& right) -> std::shared_ptr<const AnyMap> {
         using Left = std::decay_t<decltype(left)>;
         if constexpr (!std::is_same_v<Left, std::decay_t<decltype(right)>>) {
-          throw_invalid("operators", "of different kinds or precision", "must be alike to be added");
+          throw_invalid("operators", "of different kinds or precision",
+                        "must be alike to be added");
         } else if constexpr (is_vector<Left>) {
           throw_invalid("operators", "divergence, curl or strain rate",
                         "cannot be added: they mix components");
         } else {
           Left all = left;
-          if (factor < 0) all -= right;
-          else all += right;
+          if (factor < 0)
+            all -= right;
+          else
+            all += right;
           return std::make_shared<const AnyMap>(std::move(all));
         }
       },
@@ -213,8 +219,7 @@ Matrix<Index, Scalar> matrix_of(const CsrOperator<Scalar>& op, const Rows& rows)
         const auto count = static_cast<std::size_t>(out.offsets[t * blocks + b + 1]) - to;
         for (std::size_t i = 0; i < count; ++i) {
           const ParticleIndex particle = list.indices[from + i];
-          out.indices[to + i] =
-              static_cast<Index>(rows.shown ? (*rows.shown)[particle] : particle);
+          out.indices[to + i] = static_cast<Index>(rows.shown ? (*rows.shown)[particle] : particle);
           out.values[to + i] = numbers[(from + i) * blocks + b];
         }
       }
@@ -233,11 +238,12 @@ py::object scipy_matrix(const PyOperator& op, const CsrOperator<Scalar>& map) {
   }
   const py::object csr = py::module_::import("scipy.sparse").attr("csr_matrix");
   const auto part = [](auto&& numbers) { return vector_array(std::move(numbers)); };
-  py::object made = csr(py::make_tuple(part(std::move(matrix.values)), part(std::move(matrix.indices)),
-                                       part(std::move(matrix.offsets))),
-                        py::arg("shape") = py::make_tuple(
-                            map.rows() * static_cast<std::size_t>(map.blocks()), op.rows.size),
-                        py::arg("copy") = false);
+  py::object made =
+      csr(py::make_tuple(part(std::move(matrix.values)), part(std::move(matrix.indices)),
+                         part(std::move(matrix.offsets))),
+          py::arg("shape") =
+              py::make_tuple(map.rows() * static_cast<std::size_t>(map.blocks()), op.rows.size),
+          py::arg("copy") = false);
   return op.transposed ? py::object(made.attr("T")) : made;
 }
 
@@ -251,7 +257,8 @@ py::object to_scipy(const PyOperator& op) {
                         "has no matrix of its own: that of the gradient has");
         } else {
           const std::size_t numbers = map.entries() * static_cast<std::size_t>(map.blocks());
-          const bool small = numbers < (std::size_t{1} << 31) && op.rows.size < (std::size_t{1} << 31);
+          const bool small =
+              numbers < (std::size_t{1} << 31) && op.rows.size < (std::size_t{1} << 31);
           return small ? scipy_matrix<std::int32_t>(op, map) : scipy_matrix<std::int64_t>(op, map);
         }
       },
@@ -293,7 +300,8 @@ PyOperator operator_of(py::handle object) {
 }
 
 void define_operators(py::module_& m) {
-  py::class_<PyOperator> op(m, "Operator", R"(A linear map from particle data to targets, or its transpose.
+  py::class_<PyOperator> op(m, "Operator",
+                            R"(A linear map from particle data to targets, or its transpose.
 
 ``op @ u`` has a row for each target. Where the operator has one number per target and component (the
 values, the Laplacian), u of shape (n,) gives (m,), and u of shape (n, k) gives (m, k). Where it has
@@ -310,14 +318,12 @@ its Sources it is stale, and refuses to be applied.)");
           return std::visit([&](const auto& map) { return shape_of(o, map); }, *o.map);
         },
         "(rows, columns) of the matrix: numbers at all targets, numbers at all particles.")
-      .def_property_readonly("dtype",
-                             [](const PyOperator& o) {
-                               return std::visit(
-                                   [](const auto& map) {
-                                     return py::dtype::of<ScalarOf<decltype(map)>>();
-                                   },
-                                   *o.map);
-                             })
+      .def_property_readonly(
+          "dtype",
+          [](const PyOperator& o) {
+            return std::visit(
+                [](const auto& map) { return py::dtype::of<ScalarOf<decltype(map)>>(); }, *o.map);
+          })
       .def_property_readonly(
           "blocks",
           [](const PyOperator& o) {
@@ -338,7 +344,9 @@ its Sources it is stale, and refuses to be applied.)");
            })
       .def(
           "apply",
-          [](const PyOperator& o, py::object field, py::object out) { return apply(o, field, out); },
+          [](const PyOperator& o, py::object field, py::object out) {
+            return apply(o, field, out);
+          },
           py::arg("field"), py::arg("out") = py::none(), R"(The product with a field.
 
 Parameters
@@ -358,21 +366,24 @@ InvalidArgument
     particle and the component.)")
       .def("__matmul__",
            [](const PyOperator& o, py::object field) { return apply(o, field, py::none()); })
-      .def("matvec", [](const PyOperator& o, py::object x) { return vector_product(o, x, false); },
-           py::arg("x"), "The product with a vector of shape[1] numbers, for SciPy's solvers.")
-      .def("rmatvec", [](const PyOperator& o, py::object x) { return vector_product(o, x, true); },
-           py::arg("x"), "The product of the transpose with a vector of shape[0] numbers.")
-      .def("__add__",
-           [](const PyOperator& a, py::object b) { return sum(a, operator_of(b), 1); })
-      .def("__sub__",
-           [](const PyOperator& a, py::object b) { return sum(a, operator_of(b), -1); })
+      .def(
+          "matvec", [](const PyOperator& o, py::object x) { return vector_product(o, x, false); },
+          py::arg("x"), "The product with a vector of shape[1] numbers, for SciPy's solvers.")
+      .def(
+          "rmatvec", [](const PyOperator& o, py::object x) { return vector_product(o, x, true); },
+          py::arg("x"), "The product of the transpose with a vector of shape[0] numbers.")
+      .def("__add__", [](const PyOperator& a, py::object b) { return sum(a, operator_of(b), 1); })
+      .def("__sub__", [](const PyOperator& a, py::object b) { return sum(a, operator_of(b), -1); })
       .def("__neg__", [](const PyOperator& a) { return scaled(a, -1); })
-      .def("__mul__", [](const PyOperator& a, double factor) { return scaled(a, factor); },
-           py::is_operator())
-      .def("__rmul__", [](const PyOperator& a, double factor) { return scaled(a, factor); },
-           py::is_operator())
-      .def("__truediv__", [](const PyOperator& a, double divisor) { return scaled(a, 1 / divisor); },
-           py::is_operator())
+      .def(
+          "__mul__", [](const PyOperator& a, double factor) { return scaled(a, factor); },
+          py::is_operator())
+      .def(
+          "__rmul__", [](const PyOperator& a, double factor) { return scaled(a, factor); },
+          py::is_operator())
+      .def(
+          "__truediv__", [](const PyOperator& a, double divisor) { return scaled(a, 1 / divisor); },
+          py::is_operator())
       .def("to_scipy", &to_scipy, R"(The operator as a scipy.sparse.csr_matrix.
 
 Row t * blocks + b is number b of target t; columns are particles. Targets without support have empty
@@ -384,21 +395,22 @@ Returns
 -------
 particles : array of int64, shape (k,)
 values : array, shape (k,) or (k, blocks))")
-      .def_property_readonly("empty_rows",
-                             [](const PyOperator& o) {
-                               return std::visit(
-                                   [](const auto& map) -> py::array {
-                                     std::vector<std::int64_t> all;
-                                     if constexpr (is_vector<decltype(map)>) {
-                                       for (const auto t : map.gradient().empty_rows()) all.push_back(t);
-                                     } else {
-                                       for (const auto t : map.empty_rows()) all.push_back(t);
-                                     }
-                                     return vector_array(std::move(all));
-                                   },
-                                   *o.map);
-                             },
-                             "The targets without support, ascending.")
+      .def_property_readonly(
+          "empty_rows",
+          [](const PyOperator& o) {
+            return std::visit(
+                [](const auto& map) -> py::array {
+                  std::vector<std::int64_t> all;
+                  if constexpr (is_vector<decltype(map)>) {
+                    for (const auto t : map.gradient().empty_rows()) all.push_back(t);
+                  } else {
+                    for (const auto t : map.empty_rows()) all.push_back(t);
+                  }
+                  return vector_array(std::move(all));
+                },
+                *o.map);
+          },
+          "The targets without support, ascending.")
       .def("__repr__", [](const PyOperator& o) {
         return std::visit(
             [&](const auto& map) {
@@ -407,7 +419,8 @@ values : array, shape (k,) or (k, blocks))")
             },
             *o.map);
       });
-  op.attr("__array_ufunc__") = py::none();  // numpy's numbers and arrays leave products to operators
+  op.attr("__array_ufunc__") =
+      py::none();  // numpy's numbers and arrays leave products to operators
 }
 
 }  // namespace recon::python

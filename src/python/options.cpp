@@ -51,8 +51,7 @@ double number_of(py::handle object, const char* name) {
 
 // An option that is a number or an enumerator.
 void set_simple(bindings::NamedOptions& named, const std::string& name, py::handle value) {
-  if (py::isinstance<py::str>(value))
-    return named.set(name, value.cast<std::string>());
+  if (py::isinstance<py::str>(value)) return named.set(name, value.cast<std::string>());
   if (py::hasattr(value, "name") && py::isinstance<py::str>(value.attr("name")))
     return named.set(name, value.attr("name").cast<std::string>());
   named.set(name, number_of(value, name.c_str()));
@@ -226,8 +225,12 @@ WeightFunction weight_function_of(py::handle object) {
                 "must be a name, or an object with __call__(q) and derivative(q)");
 }
 
-bool is_grid(py::handle object) { return py::isinstance<StructuredGrid<double>>(object); }
-StructuredGrid<double> grid_of(py::handle object) { return object.cast<StructuredGrid<double>>(); }
+bool is_grid(py::handle object) {
+  return py::isinstance<StructuredGrid<double>>(object);
+}
+StructuredGrid<double> grid_of(py::handle object) {
+  return object.cast<StructuredGrid<double>>();
+}
 
 template <class Scalar>
 StructuredGrid<Scalar> grid_as(const StructuredGrid<double>& grid) {
@@ -272,7 +275,8 @@ Neighbours neighbours_of(py::handle object, const Rows& rows) {
     out.rule = Radii{view(radii.radii, "radii", nullptr)};
   } else if (set_member(object, pairs)) {
     PairRadii rule{view(pairs.particles, "radii of the particles", &rows), {}, pairs.support};
-    if (!pairs.targets.is_none()) rule.targets = view(pairs.targets, "radii of the targets", nullptr);
+    if (!pairs.targets.is_none())
+      rule.targets = view(pairs.targets, "radii of the targets", nullptr);
     out.rule = rule;
   } else if (py::isinstance<OwnList>(object)) {
     out.list = object.cast<const OwnList&>().list;
@@ -389,11 +393,10 @@ void define_options(py::module_& m) {
   py::class_<Radius>(m, "Radius", R"(The particles within a radius (a length) of each target.)")
       .def(py::init([](double radius) { return Radius{radius}; }), py::arg("radius"))
       .def_readonly("radius", &Radius::radius)
-      .def("__repr__", [](const Radius& r) { return "Radius(" + text_of(py::float_(r.radius)) + ")"; });
+      .def("__repr__",
+           [](const Radius& r) { return "Radius(" + text_of(py::float_(r.radius)) + ")"; });
   py::class_<RadiiRule>(m, "Radii", R"(The particles within radii[t] (a length) of target t.)")
-      .def(py::init([](py::object radii) {
-             return RadiiRule{numbers_of(radii, "radii")};
-           }),
+      .def(py::init([](py::object radii) { return RadiiRule{numbers_of(radii, "radii")}; }),
            py::arg("radii"))
       .def_readonly("radii", &RadiiRule::radii);
   py::class_<Nearest>(m, "Nearest", R"(The k nearest particles of each target.
@@ -408,13 +411,13 @@ The support radius is `factor` times the distance of the k-th.)")
       });
   py::class_<NearestWithin>(m, "NearestWithin",
                             R"(The k nearest of the particles within a radius (a length).)")
-      .def(py::init([](py::object k, double radius) {
-             return NearestWithin(count_of(k, "k"), radius);
-           }),
+      .def(py::init(
+               [](py::object k, double radius) { return NearestWithin(count_of(k, "k"), radius); }),
            py::arg("k"), py::arg("radius"))
       .def_readonly("k", &NearestWithin::k)
       .def_readonly("radius", &NearestWithin::radius);
-  py::class_<PairRadiiRule>(m, "PairRadii", R"(Supports of pairs, as in smoothed particle hydrodynamics.
+  py::class_<PairRadiiRule>(m, "PairRadii",
+                            R"(Supports of pairs, as in smoothed particle hydrodynamics.
 
 Parameters
 ----------
@@ -425,9 +428,8 @@ targets : array_like, shape (m,), optional
 support : {"particle", "mean", "larger"}
     The radius of a pair: that of the particle, the mean of both, or the larger one.)")
       .def(py::init([](py::object particles, py::object targets, py::object support) {
-             return PairRadiiRule{
-                 std::move(particles), std::move(targets),
-                 enumerator(support, "support", &bindings::pair_support_of)};
+             return PairRadiiRule{std::move(particles), std::move(targets),
+                                  enumerator(support, "support", &bindings::pair_support_of)};
            }),
            py::arg("particles"), py::arg("targets") = py::none(), py::arg("support") = "particle")
       .def_readonly("particles", &PairRadiiRule::particles)
@@ -451,7 +453,8 @@ support_factor : float
       .def(py::init(&make_list), py::arg("offsets"), py::arg("indices"), py::arg("support"),
            py::arg("shifts") = py::none(), py::arg("pair_support") = py::none(),
            py::arg("support_factor") = 0.0)
-      .def_property_readonly("offsets", [](const OwnList& own) { return copy_of(own.list.offsets); })
+      .def_property_readonly("offsets",
+                             [](const OwnList& own) { return copy_of(own.list.offsets); })
       .def_property_readonly(
           "indices",
           [](const OwnList& own) {
@@ -459,33 +462,39 @@ support_factor : float
             std::copy(own.list.indices.begin(), own.list.indices.end(), out.mutable_data());
             return out;
           })
-      .def_property_readonly("support", [](const OwnList& own) { return copy_of(own.list.support); })
+      .def_property_readonly("support",
+                             [](const OwnList& own) { return copy_of(own.list.support); })
       .def_property_readonly("pair_support",
                              [](const OwnList& own) -> py::object {
                                if (own.list.pair_support.empty()) return py::none();
                                return copy_of(own.list.pair_support);
                              })
-      .def_property_readonly("shifts",
-                             [](const OwnList& own) -> py::object {
-                               if (own.list.shifts.empty()) return py::none();
-                               py::array_t<std::int8_t> out(
-                                   {static_cast<py::ssize_t>(own.list.shifts.size()),
-                                    static_cast<py::ssize_t>(max_dimension)});
-                               std::int8_t* to = out.mutable_data();
-                               for (const ImageShift& shift : own.list.shifts)
-                                 for (const std::int8_t s : shift) *to++ = s;
-                               return out;
-                             })
+      .def_property_readonly(
+          "shifts",
+          [](const OwnList& own) -> py::object {
+            if (own.list.shifts.empty()) return py::none();
+            py::array_t<std::int8_t> out({static_cast<py::ssize_t>(own.list.shifts.size()),
+                                          static_cast<py::ssize_t>(max_dimension)});
+            std::int8_t* to = out.mutable_data();
+            for (const ImageShift& shift : own.list.shifts)
+              for (const std::int8_t s : shift) *to++ = s;
+            return out;
+          })
       .def_property_readonly("support_factor",
                              [](const OwnList& own) { return own.list.support_factor; })
       .def("__len__", [](const OwnList& own) { return own.list.targets(); });
 
-  py::class_<Growth>(m, "Growth", R"(Supports that grow: up to `steps` times by `factor`, where the degree is not reached.)")
-      .def(py::init([](int steps, double factor) { return Growth{steps, factor}; }),
+  py::class_<Growth>(
+      m, "Growth",
+      R"(Supports that grow: up to `steps` times by `factor`, where the degree is not reached.)")
+      .def(py::init([](int steps, double factor) {
+             return Growth{steps, factor};
+           }),
            py::arg("steps"), py::arg("factor") = Growth{}.factor)
       .def_readonly("steps", &Growth::steps)
       .def_readonly("factor", &Growth::factor);
-  py::class_<FitTolerances>(m, "FitTolerances", R"(The limits below which a term or a direction counts as unresolved.)")
+  py::class_<FitTolerances>(m, "FitTolerances",
+                            R"(The limits below which a term or a direction counts as unresolved.)")
       .def(py::init([](double rank, double leverage, double gradient_extent) {
              return FitTolerances{rank, leverage, gradient_extent};
            }),
@@ -494,7 +503,8 @@ support_factor : float
       .def_readonly("rank", &FitTolerances::rank)
       .def_readonly("leverage", &FitTolerances::leverage)
       .def_readonly("gradient_extent", &FitTolerances::gradient_extent);
-  py::class_<Gaussian>(m, "Gaussian", R"(The weight exp(-(q / shape)^2), lowered to be 0 at q = 1.)")
+  py::class_<Gaussian>(m, "Gaussian",
+                       R"(The weight exp(-(q / shape)^2), lowered to be 0 at q = 1.)")
       .def(py::init([](double shape) {
              Gaussian gaussian{shape};
              detail::validate_weight(gaussian);
@@ -502,7 +512,8 @@ support_factor : float
            }),
            py::arg("shape") = Gaussian{}.shape)
       .def_readonly("shape", &Gaussian::shape);
-  py::class_<InverseDistance>(m, "InverseDistance", R"(The weight (1 - q)^2 / (q^2 + softening^2).)")
+  py::class_<InverseDistance>(m, "InverseDistance",
+                              R"(The weight (1 - q)^2 / (q^2 + softening^2).)")
       .def(py::init([](double softening) {
              InverseDistance inverse{softening};
              detail::validate_weight(inverse);
@@ -520,13 +531,14 @@ lower, upper : array_like, shape (D,)
     The borders along each axis, lengths.
 periodic : sequence of bool, optional
     Along which axes; all by default.)")
-      .def(py::init(&make_domain), py::arg("lower"), py::arg("upper"), py::arg("periodic") = py::none())
+      .def(py::init(&make_domain), py::arg("lower"), py::arg("upper"),
+           py::arg("periodic") = py::none())
       .def_property_readonly("lower",
                              [](const Domain& d) { return axes_tuple(d.lower, dimension_of(d)); })
       .def_property_readonly("upper",
                              [](const Domain& d) { return axes_tuple(d.upper, dimension_of(d)); })
-      .def_property_readonly("periodic",
-                             [](const Domain& d) { return axes_tuple(d.periodic, dimension_of(d)); })
+      .def_property_readonly(
+          "periodic", [](const Domain& d) { return axes_tuple(d.periodic, dimension_of(d)); })
       .def("__repr__", [](const Domain& d) {
         const int dimension = dimension_of(d);
         return "PeriodicDomain(lower=" + text_of(axes_tuple(d.lower, dimension)) +
@@ -549,12 +561,15 @@ counts : sequence of int, length D
     The number of nodes along each axis.)")
       .def(py::init(&make_grid), py::arg("origin"), py::arg("spacing"), py::arg("counts"))
       .def_readonly("dimension", &Grid::dimension)
-      .def_property_readonly("origin", [](const Grid& g) { return axes_tuple(g.origin, g.dimension); })
+      .def_property_readonly("origin",
+                             [](const Grid& g) { return axes_tuple(g.origin, g.dimension); })
       .def_property_readonly("spacing",
                              [](const Grid& g) { return axes_tuple(g.spacing, g.dimension); })
-      .def_property_readonly("shape", [](const Grid& g) { return axes_tuple(g.counts, g.dimension); },
-                             "The number of nodes along each axis.")
-      .def_property_readonly("counts", [](const Grid& g) { return axes_tuple(g.counts, g.dimension); })
+      .def_property_readonly(
+          "shape", [](const Grid& g) { return axes_tuple(g.counts, g.dimension); },
+          "The number of nodes along each axis.")
+      .def_property_readonly("counts",
+                             [](const Grid& g) { return axes_tuple(g.counts, g.dimension); })
       .def_property_readonly("size", &Grid::size, "The number of nodes.")
       .def("__len__", &Grid::size)
       .def_property_readonly(
@@ -587,8 +602,9 @@ counts : sequence of int, length D
           "reshape",
           [](const Grid& g, py::array values) -> py::object {
             if (values.ndim() < 1 || static_cast<std::size_t>(values.shape(0)) != g.size())
-              throw_invalid("values", "an array of shape " + text_of(values.attr("shape")),
-                            "must have a row for each of the " + std::to_string(g.size()) + " nodes");
+              throw_invalid(
+                  "values", "an array of shape " + text_of(values.attr("shape")),
+                  "must have a row for each of the " + std::to_string(g.size()) + " nodes");
             py::list shape, axes;
             for (int d = g.dimension - 1; d >= 0; --d) shape.append(g.counts[d]), axes.append(d);
             for (py::ssize_t d = 1; d < values.ndim(); ++d)
@@ -606,15 +622,16 @@ Returns
 -------
 array, shape (nx, ny, nz, ...)
     As far as there are axes; ``[i, j, k]`` is node (i, j, k). A view where the rows allow it.)")
-      .def("__eq__",
-           [](const Grid& a, const Grid& b) {
-             bool same = a.dimension == b.dimension;
-             for (int d = 0; same && d < a.dimension; ++d)
-               same = a.origin[d] == b.origin[d] && a.spacing[d] == b.spacing[d] &&
-                      a.counts[d] == b.counts[d];
-             return same;
-           },
-           py::is_operator())
+      .def(
+          "__eq__",
+          [](const Grid& a, const Grid& b) {
+            bool same = a.dimension == b.dimension;
+            for (int d = 0; same && d < a.dimension; ++d)
+              same = a.origin[d] == b.origin[d] && a.spacing[d] == b.spacing[d] &&
+                     a.counts[d] == b.counts[d];
+            return same;
+          },
+          py::is_operator())
       .def("__repr__", [](const Grid& g) {
         return "StructuredGrid(origin=" + text_of(axes_tuple(g.origin, g.dimension)) +
                ", spacing=" + text_of(axes_tuple(g.spacing, g.dimension)) +
@@ -653,7 +670,8 @@ Raises
 InvalidArgument
     For a spacing that is not positive, or points that are not finite.)");
   m.def(
-      "cell_centres", [](const Grid& grid) -> Grid { return recon::cell_centres<double>(grid); }, py::arg("grid"),
+      "cell_centres", [](const Grid& grid) -> Grid { return recon::cell_centres<double>(grid); },
+      py::arg("grid"),
       R"(The grid of the centres of a grid's cells: one node fewer along each axis.)");
 }
 

@@ -32,19 +32,27 @@ py::array column(const PyReports& reports, const Member& member) {
 
 py::array kept(const PyReports& reports) {
   return reading(reports, [&](const FitReports& all) -> py::array {
-    py::array_t<std::uint8_t> out(
-        {static_cast<py::ssize_t>(all.size()), static_cast<py::ssize_t>(FitReport::max_degree + 1)});
+    py::array_t<std::uint8_t> out({static_cast<py::ssize_t>(all.size()),
+                                   static_cast<py::ssize_t>(FitReport::max_degree + 1)});
     std::uint8_t* to = out.mutable_data();
-    for (const FitReport& report : all.all()) to = std::copy(report.kept.begin(), report.kept.end(), to);
+    for (const FitReport& report : all.all())
+      to = std::copy(report.kept.begin(), report.kept.end(), to);
     return out;
   });
 }
 
 const std::vector<std::string>& names() {
-  static const std::vector<std::string> all{
-      "neighbours",    "rank", "degree",         "status",        "solver",
-      "gradient_rank", "hessian_rank", "kept", "smallest_pivot", "amplification",
-      "gradient_amplification"};
+  static const std::vector<std::string> all{"neighbours",
+                                            "rank",
+                                            "degree",
+                                            "status",
+                                            "solver",
+                                            "gradient_rank",
+                                            "hessian_rank",
+                                            "kept",
+                                            "smallest_pivot",
+                                            "amplification",
+                                            "gradient_amplification"};
   return all;
 }
 
@@ -95,8 +103,8 @@ std::string summary_text(const PyReports& reports) {
     also(s.handed_over, "handed over to another solver");
     out.precision(3);
     out << "\nneighbours: " << s.fewest_neighbours << " to " << s.most_neighbours << ", mean "
-        << s.mean_neighbours << "\nsmallest pivot " << s.smallest_pivot << ", largest amplification "
-        << s.largest_amplification;
+        << s.mean_neighbours << "\nsmallest pivot " << s.smallest_pivot
+        << ", largest amplification " << s.largest_amplification;
     return out.str();
   });
 }
@@ -104,7 +112,8 @@ std::string summary_text(const PyReports& reports) {
 }  // namespace
 
 void define_reports(py::module_& m) {
-  py::class_<PyReports> reports(m, "FitReports", R"(What became of each target: a mapping of names to arrays of shape (m,).
+  py::class_<PyReports> reports(
+      m, "FitReports", R"(What became of each target: a mapping of names to arrays of shape (m,).
 
 neighbours              particles with positive weight
 rank                    independent terms kept
@@ -124,58 +133,81 @@ Each array is made when it is asked for, of the fit as it is then.)");
                                   [name](const PyReports& r) { return column_named(r, name); });
   reports.def("__getitem__", &column_named)
       .def("keys", [](const PyReports&) { return py::cast(names()); })
-      .def("values", [](const PyReports& r) {
-        py::list all;
-        for (const std::string& name : names()) all.append(column_named(r, name));
-        return all;
-      })
-      .def("items", [](const PyReports& r) {
-        py::list all;
-        for (const std::string& name : names()) all.append(py::make_tuple(name, column_named(r, name)));
-        return all;
-      })
+      .def("values",
+           [](const PyReports& r) {
+             py::list all;
+             for (const std::string& name : names()) all.append(column_named(r, name));
+             return all;
+           })
+      .def("items",
+           [](const PyReports& r) {
+             py::list all;
+             for (const std::string& name : names())
+               all.append(py::make_tuple(name, column_named(r, name)));
+             return all;
+           })
       .def("__iter__", [](const PyReports&) { return py::iter(py::cast(names())); })
-      .def("__contains__", [](const PyReports&, const std::string& name) {
-        return std::find(names().begin(), names().end(), name) != names().end();
-      })
+      .def("__contains__",
+           [](const PyReports&, const std::string& name) {
+             return std::find(names().begin(), names().end(), name) != names().end();
+           })
       .def("__len__", [](const PyReports&) { return names().size(); })
       .def_property_readonly("targets",
                              [](const PyReports& r) {
                                return reading(r, [](const FitReports& all) { return all.size(); });
                              })
-      .def("reduced", [](const PyReports& r) {
-        return reading(r, [](const FitReports& all) { return all.reduced(); });
-      }, "The number of targets whose degree is below the asked one.")
-      .def("no_support", [](const PyReports& r) {
-        return reading(r, [](const FitReports& all) { return all.no_support(); });
-      }, "The number of targets without a particle in their support.")
-      .def("too_far", [](const PyReports& r) {
-        return reading(r, [](const FitReports& all) { return all.too_far(); });
-      }, "The number of targets beyond max_distance.")
-      .def("with_status", [](const PyReports& r, py::object status) {
-        const FitStatus asked = status_of(status);
-        return reading(r, [&](const FitReports& all) -> py::array {
-          std::vector<std::int64_t> rows;
-          for (const std::size_t t : all.with_status(asked)) rows.push_back(static_cast<std::int64_t>(t));
-          return vector_array(std::move(rows));
-        });
-      }, py::arg("status"), "The targets with this status, ascending.")
-      .def("totals", [](const PyReports& r) {
-        return reading(r, [](const FitReports& all) {
-          const FitSummary& s = all.summary();
-          py::dict out;
-          out["targets"] = s.targets, out["full"] = s.full, out["reduced"] = s.reduced;
-          out["nearest"] = s.nearest, out["no_support"] = s.no_support, out["too_far"] = s.too_far;
-          out["handed_over"] = s.handed_over;
-          out["fewest_neighbours"] = s.fewest_neighbours, out["most_neighbours"] = s.most_neighbours;
-          out["mean_neighbours"] = s.mean_neighbours;
-          out["smallest_pivot"] = s.smallest_pivot;
-          out["largest_amplification"] = s.largest_amplification;
-          return out;
-        });
-      }, "Counts and extremes over all targets, a dict.")
+      .def(
+          "reduced",
+          [](const PyReports& r) {
+            return reading(r, [](const FitReports& all) { return all.reduced(); });
+          },
+          "The number of targets whose degree is below the asked one.")
+      .def(
+          "no_support",
+          [](const PyReports& r) {
+            return reading(r, [](const FitReports& all) { return all.no_support(); });
+          },
+          "The number of targets without a particle in their support.")
+      .def(
+          "too_far",
+          [](const PyReports& r) {
+            return reading(r, [](const FitReports& all) { return all.too_far(); });
+          },
+          "The number of targets beyond max_distance.")
+      .def(
+          "with_status",
+          [](const PyReports& r, py::object status) {
+            const FitStatus asked = status_of(status);
+            return reading(r, [&](const FitReports& all) -> py::array {
+              std::vector<std::int64_t> rows;
+              for (const std::size_t t : all.with_status(asked))
+                rows.push_back(static_cast<std::int64_t>(t));
+              return vector_array(std::move(rows));
+            });
+          },
+          py::arg("status"), "The targets with this status, ascending.")
+      .def(
+          "totals",
+          [](const PyReports& r) {
+            return reading(r, [](const FitReports& all) {
+              const FitSummary& s = all.summary();
+              py::dict out;
+              out["targets"] = s.targets, out["full"] = s.full, out["reduced"] = s.reduced;
+              out["nearest"] = s.nearest, out["no_support"] = s.no_support,
+              out["too_far"] = s.too_far;
+              out["handed_over"] = s.handed_over;
+              out["fewest_neighbours"] = s.fewest_neighbours,
+              out["most_neighbours"] = s.most_neighbours;
+              out["mean_neighbours"] = s.mean_neighbours;
+              out["smallest_pivot"] = s.smallest_pivot;
+              out["largest_amplification"] = s.largest_amplification;
+              return out;
+            });
+          },
+          "Counts and extremes over all targets, a dict.")
       .def("summary", &summary_text, "Counts and extremes in a few words.")
-      .def("__repr__", [](const PyReports& r) { return "<recon.FitReports: " + summary_text(r) + ">"; });
+      .def("__repr__",
+           [](const PyReports& r) { return "<recon.FitReports: " + summary_text(r) + ">"; });
 }
 
 }  // namespace recon::python

@@ -75,14 +75,15 @@ Neighbours rule_of(py::handle neighbours, py::handle radius, py::handle nearest,
   return neighbours_of(neighbours, rows);
 }
 
-OwnList find(const PySources& self, py::handle targets_object, py::handle neighbours, py::handle radius,
-             py::handle nearest, py::handle shape, py::handle search, int threads,
-             py::object progress) {
+OwnList find(const PySources& self, py::handle targets_object, py::handle neighbours,
+             py::handle radius, py::handle nearest, py::handle shape, py::handle search,
+             int threads, py::object progress) {
   const auto lock = self.cloud->guard.read(sources_name);
   const Points targets = targets_of(targets_object, self.precision());
   const Neighbours rule = rule_of(neighbours, radius, nearest, self.cloud->rows);
   if (!rule.rule)
-    throw_invalid("neighbours", "no rule", "must be a rule: Radius, Radii, Nearest, NearestWithin, PairRadii");
+    throw_invalid("neighbours", "no rule",
+                  "must be a rule: Radius, Radii, Nearest, NearestWithin, PairRadii");
   NeighbourOptions options;
   const std::string name = enumerator_name(shape, "shape");
   if (name != "ball" && name != "cube")
@@ -117,9 +118,10 @@ PyOperator kernel(const PySources& self, py::handle targets_object, py::handle w
                   py::handle form, py::handle neighbours, py::handle radius, py::handle nearest,
                   py::handle search, int threads) {
   const auto lock = self.cloud->guard.read(sources_name);
-  const Points targets = targets_of(
-      is_grid(targets_object) ? targets_object.attr("nodes")() : py::reinterpret_borrow<py::object>(targets_object),
-      self.precision());
+  const Points targets =
+      targets_of(is_grid(targets_object) ? targets_object.attr("nodes")()
+                                         : py::reinterpret_borrow<py::object>(targets_object),
+                 self.precision());
   const Neighbours rule = rule_of(neighbours, radius, nearest, self.cloud->rows);
   if (rule.list)
     throw_invalid("neighbours", "a NeighbourList", "must be a rule: kernel sums search themselves");
@@ -135,7 +137,8 @@ PyOperator kernel(const PySources& self, py::handle targets_object, py::handle w
     if constexpr (std::is_same_v<std::decay_t<decltype(sources)>, SourcesF>)
       return std::make_shared<const AnyMap>(kernel_operator(sources, targets.as<float>(), options));
     else
-      return std::make_shared<const AnyMap>(kernel_operator(sources, targets.as<double>(), options));
+      return std::make_shared<const AnyMap>(
+          kernel_operator(sources, targets.as<double>(), options));
   });
   return out;
 }
@@ -143,7 +146,8 @@ PyOperator kernel(const PySources& self, py::handle targets_object, py::handle w
 }  // namespace
 
 void define_sources(py::module_& m) {
-  py::class_<PySources>(m, "Sources", R"(Particles, copied, checked and ordered once, for any number of questions.
+  py::class_<PySources>(m, "Sources",
+                        R"(Particles, copied, checked and ordered once, for any number of questions.
 
 Parameters
 ----------
@@ -173,20 +177,22 @@ InvalidArgument
 Reconstructions and operators made before are stale: they raise InvalidArgument until
 ``Reconstruction.update``. Raises as the constructor does, and then changes nothing.)")
       .def("__len__", [](const PySources& s) { return s.cloud->rows.particles(); })
-      .def_property_readonly("size", [](const PySources& s) { return s.cloud->rows.particles(); },
-                             "The number of particles; masked points are none.")
+      .def_property_readonly(
+          "size", [](const PySources& s) { return s.cloud->rows.particles(); },
+          "The number of particles; masked points are none.")
       .def_property_readonly("dimension",
                              [](const PySources& s) {
                                const auto lock = s.cloud->guard.read(sources_name);
                                return with_sources(*s.cloud,
                                                    [](const auto& own) { return own.dimension(); });
                              })
-      .def_property_readonly("dtype",
-                             [](const PySources& s) {
-                               return s.precision() == Precision::float32 ? py::dtype::of<float>()
-                                                                          : py::dtype::of<double>();
-                             },
-                             "float32 where the points are, else float64.")
+      .def_property_readonly(
+          "dtype",
+          [](const PySources& s) {
+            return s.precision() == Precision::float32 ? py::dtype::of<float>()
+                                                       : py::dtype::of<double>();
+          },
+          "float32 where the points are, else float64.")
       .def_property_readonly("domain",
                              [](const PySources& s) {
                                const auto lock = s.cloud->guard.read(sources_name);

@@ -53,16 +53,20 @@ int main() {
   say("grow", [&] { recon::reconstruct(view, view, {.grow = {.steps = -1}}); });
   say("leverage", [&] { recon::reconstruct(view, view, {.tolerances = {.leverage = 0.5}}); });
   say("grid spacing", [&] {
-    recon::StructuredGrid<double> grid{.dimension = 2, .origin = {0, 0}, .spacing = {0, 1}, .counts = {2, 2}};
+    recon::StructuredGrid<double> grid{
+        .dimension = 2, .origin = {0, 0}, .spacing = {0, 1}, .counts = {2, 2}};
     grid.validate();
   });
   say("domain", [&] {
     recon::PeriodicDomain<double> domain{{0, 0}, {1, 0}, {true, true}};
     domain.validate(2);
   });
-  say("curl", [&] { recon::reconstruct(points_of(line), points_of(line)).operators(recon::Functional::curl); });
+  say("curl", [&] {
+    recon::reconstruct(points_of(line), points_of(line)).operators(recon::Functional::curl);
+  });
   say("partial", [&] { recon::Functional::partial(5); });
-  say("components", [&] { std::get<0>(fit.operators(recon::Functional::divergence)).apply(field_of(u)); });
+  say("components",
+      [&] { std::get<0>(fit.operators(recon::Functional::divergence)).apply(field_of(u)); });
   say("kernel radius", [&] {
     recon::kernel_sum(recon::Sources(view), view, field_of(u), recon::Weight::gaussian, -2);
   });
