@@ -174,28 +174,26 @@ assert dam.particles["x"][:, 0].max() > 1.1
 # %%
 disks = recon.mpm.Simulation(root / "examples" / "mpm" / "disks.toml")
 times, kinetic, strain = [], [], []
-figure = plt.figure(figsize=(10, 6.5), layout="constrained")
-for panel, stops in enumerate((np.arange(1, 11), np.arange(11, 35), np.arange(35, 61))):
+figure, ax = plt.subplot_mosaic("ABC;DDD", figsize=(9, 6.5), layout="constrained")
+for panel, stops in zip("ABC", (np.arange(1, 11), np.arange(11, 35), np.arange(35, 61))):
     for stop in stops:
         disks.run_until(0.05 * stop)
         account = disks.account()
         times.append(account["time"])
         kinetic.append(account["kinetic"])
         strain.append(account["strain"])
-    ax = figure.add_subplot(2, 3, panel + 1)
     stress = disks.particles["stress"]
     pressure = -np.trace(stress, axis1=1, axis2=2) / 2
-    at_particles = disks.particles["x"]
-    dots = ax.scatter(*at_particles.T, c=pressure, s=4, cmap="coolwarm", vmin=-60, vmax=60)
-    ax.set_aspect("equal")
-    ax.set_xlim(0, 1)
-    ax.set_ylim(0, 1)
-    ax.set_title(f"t = {disks.time:.1f}")
-figure.colorbar(dots, ax=figure.axes, label="- (stress xx + yy) / 2")
-ax = figure.add_subplot(2, 1, 2)
-recon.plot.profile(times, kinetic, axes=ax, label="kinetic energy")
-recon.plot.profile(times, strain, axes=ax, label="strain energy")
-recon.plot.profile(times, np.add(kinetic, strain), axes=ax, label="sum")
-ax.set_xlabel("time")
+    x_now = disks.particles["x"]
+    dots = ax[panel].scatter(*x_now.T, c=pressure, s=4, cmap="coolwarm", vmin=-60, vmax=60)
+    ax[panel].set_aspect("equal")
+    ax[panel].set_xlim(0, 1)
+    ax[panel].set_ylim(0, 1)
+    ax[panel].set_title(f"t = {disks.time:.1f}")
+figure.colorbar(dots, ax=ax["C"], label="- (stress xx + yy) / 2")
+recon.plot.profile(times, kinetic, axes=ax["D"], label="kinetic energy")
+recon.plot.profile(times, strain, axes=ax["D"], label="strain energy")
+recon.plot.profile(times, np.add(kinetic, strain), axes=ax["D"], label="sum")
+ax["D"].set_xlabel("time")
 save("disks")
 assert np.add(kinetic, strain).max() < 1.02 * kinetic[0]

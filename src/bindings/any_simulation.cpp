@@ -119,20 +119,24 @@ class Held : public AnySimulation::Base {
   ParticleArrayView particles(std::string_view name) const override {
     ParticleArrayView found;
     bool is_there = false;
-    simulation_.particles().arrays(kept(), [&](const mpm::ParticleArray& array, const auto& values) {
-      if (name != array.name || (values.empty() && array.kept)) return;
-      found = view_of(values, array.per_particle);
-      is_there = true;
-    });
+    simulation_.particles().arrays(kept(),
+                                   [&](const mpm::ParticleArray& array, const auto& values) {
+                                     if (name != array.name || (values.empty() && array.kept))
+                                       return;
+                                     found = view_of(values, array.per_particle);
+                                     is_there = true;
+                                   });
     if (!is_there) refuse_name("array of the particles", name, particle_arrays());
     return found;
   }
 
   std::vector<std::string> particle_arrays() const override {
     std::vector<std::string> names;
-    simulation_.particles().arrays(kept(), [&](const mpm::ParticleArray& array, const auto& values) {
-      if (!array.kept || !values.empty()) names.emplace_back(array.name);
-    });
+    simulation_.particles().arrays(kept(),
+                                   [&](const mpm::ParticleArray& array, const auto& values) {
+                                     if (!array.kept || !values.empty())
+                                       names.emplace_back(array.name);
+                                   });
     return names;
   }
 
@@ -157,7 +161,8 @@ class Held : public AnySimulation::Base {
 
   // The names and numbers that ledger.csv has.
   std::vector<std::pair<std::string, double>> account() const override {
-    const std::string names = mpm::ledger_header(), row = mpm::ledger_row(mpm::account(simulation_));
+    const std::string names = mpm::ledger_header(),
+                      row = mpm::ledger_row(mpm::account(simulation_));
     std::vector<std::pair<std::string, double>> out;
     std::size_t name = 0, number = 0;
     while (name < names.size()) {
@@ -190,24 +195,52 @@ AnySimulation::AnySimulation(const std::filesystem::path& path,
 
 AnySimulation::~AnySimulation() = default;
 
-int AnySimulation::dimension() const { return own_->dimension(); }
-std::size_t AnySimulation::size() const { return own_->size(); }
-double AnySimulation::time() const { return own_->time(); }
-long long AnySimulation::steps() const { return own_->steps(); }
-double AnySimulation::end() const { return own_->end; }
-const std::string& AnySimulation::title() const { return own_->title; }
-std::string AnySimulation::method() const { return own_->method; }
-double AnySimulation::choose_step() const { return own_->choose_step(); }
-void AnySimulation::step(double dt) { own_->step(dt); }
-void AnySimulation::map() { own_->map(); }
-bool AnySimulation::mapped() const { return own_->mapped(); }
+int AnySimulation::dimension() const {
+  return own_->dimension();
+}
+std::size_t AnySimulation::size() const {
+  return own_->size();
+}
+double AnySimulation::time() const {
+  return own_->time();
+}
+long long AnySimulation::steps() const {
+  return own_->steps();
+}
+double AnySimulation::end() const {
+  return own_->end;
+}
+const std::string& AnySimulation::title() const {
+  return own_->title;
+}
+std::string AnySimulation::method() const {
+  return own_->method;
+}
+double AnySimulation::choose_step() const {
+  return own_->choose_step();
+}
+void AnySimulation::step(double dt) {
+  own_->step(dt);
+}
+void AnySimulation::map() {
+  own_->map();
+}
+bool AnySimulation::mapped() const {
+  return own_->mapped();
+}
 
 ParticleArrayView AnySimulation::particles(std::string_view name) const {
   return own_->particles(name);
 }
-std::vector<std::string> AnySimulation::particle_arrays() const { return own_->particle_arrays(); }
-ParticleArrayView AnySimulation::nodes(std::string_view name) const { return own_->nodes(name); }
-AnySimulation::Grid AnySimulation::grid() const { return own_->grid(); }
+std::vector<std::string> AnySimulation::particle_arrays() const {
+  return own_->particle_arrays();
+}
+ParticleArrayView AnySimulation::nodes(std::string_view name) const {
+  return own_->nodes(name);
+}
+AnySimulation::Grid AnySimulation::grid() const {
+  return own_->grid();
+}
 std::vector<std::pair<std::string, double>> AnySimulation::account() const {
   return own_->account();
 }

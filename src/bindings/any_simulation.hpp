@@ -12,8 +12,8 @@
 
 namespace recon::bindings {
 
-// Where an array of the particles lies: entry (p, i, j, ...) at data + p * strides[0] + i * strides[1] +
-// ... bytes. Numbers are double, or 32-bit integers.
+// Where an array of the particles lies: entry (p, i, j, ...) at data + p * strides[0] + i *
+// strides[1] + ... bytes. Numbers are double, or 32-bit integers.
 struct ParticleArrayView {
   const void* data = nullptr;
   bool integers = false;
@@ -23,7 +23,8 @@ struct ParticleArrayView {
 
 class AnySimulation {
  public:
-  // Throws FileError for what is wrong with the file, InvalidArgument for a problem that cannot be run.
+  // Throws FileError for what is wrong with the file, InvalidArgument for a problem that cannot be
+  // run.
   AnySimulation(const std::filesystem::path& path, std::span<const std::string> settings);
   ~AnySimulation();
 
@@ -39,12 +40,13 @@ class AnySimulation {
   void step(double dt);
   void map();
   bool mapped() const;
-  // Steps of the problem's rule until this time, to rounding. `go_on`, if there is one, is called between the
-  // steps; what it throws ends the run there.
+  // Steps of the problem's rule until this time, to rounding. `go_on`, if there is one, is called
+  // between the steps; what it throws ends the run there.
   void run_until(double time, const std::function<void()>& go_on = {});
 
-  // What particles carry, as it lies in memory until the next step: x, X, v, F, L, stress, half_edges,
-  // mass, volume0, energy, body, and what the method keeps. Throws InvalidArgument for another name.
+  // What particles carry, as it lies in memory until the next step: x, X, v, F, L, stress,
+  // half_edges, mass, volume0, energy, body, and what the method keeps. Throws InvalidArgument for
+  // another name.
   ParticleArrayView particles(std::string_view name) const;
   std::vector<std::string> particle_arrays() const;
 

@@ -109,7 +109,8 @@ Weight weight_of(std::string_view name) {
     valid.push_back(full);
     shorter.emplace_back(text);
   }
-  const bool is_shorter = nearest_names(name, valid).empty() && !nearest_names(name, shorter).empty();
+  const bool is_shorter =
+      nearest_names(name, valid).empty() && !nearest_names(name, shorter).empty();
   refuse_name("weight", name, is_shorter ? shorter : valid);
 }
 

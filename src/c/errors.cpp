@@ -40,6 +40,12 @@ recon_status status_of(std::exception_ptr error) noexcept {
 
 }  // namespace recon::c
 
-int recon_abi_version(void) { return RECON_C_ABI; }
-const char* recon_version(void) { return RECON_VERSION; }
-const char* recon_message(void) { return shown; }
+int recon_abi_version(void) {
+  return RECON_C_ABI;
+}
+const char* recon_version(void) {
+  return RECON_VERSION;
+}
+const char* recon_message(void) {
+  return shown;
+}

@@ -16,9 +16,13 @@ recon_status recon_read(const char* path, int frame, recon_table** table) {
   });
 }
 
-void recon_table_free(recon_table* table) { delete table; }
+void recon_table_free(recon_table* table) {
+  delete table;
+}
 
-size_t recon_table_size(const recon_table* table) { return table ? table->table.size() : 0; }
+size_t recon_table_size(const recon_table* table) {
+  return table ? table->table.size() : 0;
+}
 
 recon_status recon_table_column(const recon_table* table, const char* name, const double** column) {
   return recon::c::guarded([&] {

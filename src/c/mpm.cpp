@@ -18,7 +18,9 @@ recon_status recon_simulation_new(const char* path, const char* const* settings,
   });
 }
 
-void recon_simulation_free(recon_simulation* simulation) { delete simulation; }
+void recon_simulation_free(recon_simulation* simulation) {
+  delete simulation;
+}
 
 int recon_simulation_dimension(const recon_simulation* simulation) {
   return simulation ? simulation->simulation.dimension() : 0;
@@ -34,7 +36,8 @@ double recon_simulation_end(const recon_simulation* simulation) {
 }
 
 recon_status recon_simulation_choose_step(const recon_simulation* simulation, double* dt) {
-  return guarded([&] { there(dt, "dt") = there(simulation, "simulation").simulation.choose_step(); });
+  return guarded(
+      [&] { there(dt, "dt") = there(simulation, "simulation").simulation.choose_step(); });
 }
 
 recon_status recon_simulation_step(recon_simulation* simulation, double dt) {

@@ -44,7 +44,9 @@ recon_status recon_options_new(recon_options** options) {
   return recon::c::made_by(options, [] { return std::make_unique<recon_options>(); });
 }
 
-void recon_options_free(recon_options* options) { delete options; }
+void recon_options_free(recon_options* options) {
+  delete options;
+}
 
 recon_status recon_options_number(recon_options* options, const char* name, double value) {
   return guarded([&] { there(options, "options").named.set(&there(name, "name"), value); });
@@ -52,7 +54,8 @@ recon_status recon_options_number(recon_options* options, const char* name, doub
 
 recon_status recon_options_text(recon_options* options, const char* name, const char* value) {
   return guarded([&] {
-    there(options, "options").named.set(&there(name, "name"), std::string_view(&there(value, "value")));
+    there(options, "options")
+        .named.set(&there(name, "name"), std::string_view(&there(value, "value")));
   });
 }
 
@@ -72,8 +75,8 @@ recon_status recon_options_numbers(recon_options* options, const char* name, con
       to.radii.assign(values, values + count);
       to.has_radii = true;
     } else {
-      recon::bindings::refuse_name("option", option,
-                                   std::vector<std::string>{"stretch", "particle_weights", "radii"});
+      recon::bindings::refuse_name(
+          "option", option, std::vector<std::string>{"stretch", "particle_weights", "radii"});
     }
   });
 }
@@ -81,7 +84,8 @@ recon_status recon_options_numbers(recon_options* options, const char* name, con
 recon_status recon_options_periodic(recon_options* options, int axis, double lower, double upper) {
   return guarded([&] {
     recon_options& to = there(options, "options");
-    recon::detail::require(axis >= 0 && axis < recon::max_dimension, "axis", axis, "must be 0, 1 or 2");
+    recon::detail::require(axis >= 0 && axis < recon::max_dimension, "axis", axis,
+                           "must be 0, 1 or 2");
     recon::PeriodicDomain<double> domain = to.named.options.domain;
     domain.lower[axis] = lower;
     domain.upper[axis] = upper;
@@ -115,6 +119,7 @@ recon_status recon_options_progress(recon_options* options,
   return guarded([&] {
     recon::Progress& to = there(options, "options").named.options.progress;
     to = {};
-    if (progress) to = [progress, context](double fraction) { return progress(fraction, context) != 0; };
+    if (progress)
+      to = [progress, context](double fraction) { return progress(fraction, context) != 0; };
   });
 }

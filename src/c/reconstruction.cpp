@@ -113,9 +113,9 @@ double member(const recon::FitReport& report, std::string_view name) {
 
 void require_member(std::string_view name) {
   static const std::vector<std::string> all{
-      "neighbours",   "rank",           "degree",        "status",
-      "solver",       "gradient_rank",  "hessian_rank",  "smallest_pivot",
-      "amplification", "gradient_amplification", "support"};
+      "neighbours",    "rank",         "degree",         "status",        "solver",
+      "gradient_rank", "hessian_rank", "smallest_pivot", "amplification", "gradient_amplification",
+      "support"};
   for (const std::string& known : all)
     if (name == known) return;
   recon::bindings::refuse_name("member of the report", name, all);
@@ -123,13 +123,14 @@ void require_member(std::string_view name) {
 
 }  // namespace
 
-// ---- particles that are kept -----------------------------------------------------------------------
+// ---- particles that are kept
+// -----------------------------------------------------------------------
 
 recon_status recon_sources_new(recon_array points, const recon_options* options,
                                recon_sources** sources) {
   return made_by(sources, [&] {
-    auto made = std::make_unique<recon_sources>(
-        recon_sources{recon::Sources(recon::PointsView<double>())});
+    auto made =
+        std::make_unique<recon_sources>(recon_sources{recon::Sources(recon::PointsView<double>())});
     in_precision_of(points, [&]<class Scalar>(Scalar) {
       made->sources.emplace<recon::BasicSources<Scalar>>(points_of<Scalar>(points, "points"),
                                                          options_of(options).sources());
@@ -158,7 +159,9 @@ size_t recon_sources_size(const recon_sources* sources) {
   return sources ? std::visit([](const auto& own) { return own.size(); }, sources->sources) : 0;
 }
 
-void recon_sources_free(recon_sources* sources) { delete sources; }
+void recon_sources_free(recon_sources* sources) {
+  delete sources;
+}
 
 recon_status recon_kernel_sum(const recon_sources* sources, recon_array targets,
                               recon_array amounts, const recon_options* options, recon_array out) {
@@ -183,7 +186,8 @@ recon_status recon_kernel_sum(const recon_sources* sources, recon_array targets,
   });
 }
 
-// ---- reconstructions ---------------------------------------------------------------------------------
+// ---- reconstructions
+// ---------------------------------------------------------------------------------
 
 recon_status recon_reconstruct(recon_array points, recon_array targets,
                                const recon_options* options, recon_fit** fit) {
@@ -234,7 +238,9 @@ recon_status recon_fit_update(recon_fit* fit, recon_array targets) {
   });
 }
 
-void recon_fit_free(recon_fit* fit) { delete fit; }
+void recon_fit_free(recon_fit* fit) {
+  delete fit;
+}
 
 size_t recon_fit_targets(const recon_fit* fit) {
   return fit ? std::visit([](const auto& own) { return own.values().rows(); }, fit->fit) : 0;
@@ -269,7 +275,8 @@ recon_status recon_fit_apply_transpose(const recon_fit* fit, recon_array field, 
         [&](const auto& own) {
           using Scalar = ScalarOf<decltype(own)>;
           const auto view = field_of<Scalar>(field);
-          own.apply_transpose(view, span_of<Scalar>(out, own.values().columns(), view.components()));
+          own.apply_transpose(view,
+                              span_of<Scalar>(out, own.values().columns(), view.components()));
         },
         there(fit, "fit").fit);
   });
@@ -308,7 +315,9 @@ recon_status recon_fit_operator(const recon_fit* fit, const char* name, recon_op
   });
 }
 
-void recon_operator_free(recon_operator* op) { delete op; }
+void recon_operator_free(recon_operator* op) {
+  delete op;
+}
 
 int recon_operator_components(const recon_operator* op, int of_field) {
   return op ? std::visit([&](const auto& map) { return components_of(map, of_field); }, op->op) : 0;
@@ -349,7 +358,8 @@ recon_status recon_operator_add(recon_operator* op, double factor, const recon_o
         [&](auto& left, const auto& right) {
           using Left = std::decay_t<decltype(left)>;
           if constexpr (!std::is_same_v<Left, std::decay_t<decltype(right)>>) {
-            throw_invalid("operators", "of different kinds or precision", "must be alike to be added");
+            throw_invalid("operators", "of different kinds or precision",
+                          "must be alike to be added");
           } else if constexpr (Kind<Left>::mixes) {
             throw_invalid("operators", "divergence, curl or strain_rate",
                           "cannot be added: they mix components");
@@ -379,8 +389,8 @@ recon_status recon_on_grid(recon_array points, recon_array field, recon_grid gri
       const recon::FieldSpan<Scalar> slopes =
           gradients ? span_of<Scalar>(gradients_out, nodes.size(), slopes_each, "gradients_out")
                     : recon::FieldSpan<Scalar>();
-      const auto made = recon::reconstruct_on_grid(points_of<Scalar>(points, "points"), {view}, nodes,
-                                                   options_of(options), apply);
+      const auto made = recon::reconstruct_on_grid(points_of<Scalar>(points, "points"), {view},
+                                                   nodes, options_of(options), apply);
       for (std::size_t n = 0; n < nodes.size(); ++n) {
         const auto row = static_cast<Eigen::Index>(n);
         for (int c = 0; c < view.components(); ++c) values(n, c) = made.values()(row, c);

@@ -8,11 +8,12 @@ namespace recon::python {
 namespace {
 
 // Kept for the life of the interpreter.
-PyObject *invalid_argument = nullptr, *cancelled = nullptr, *file_error = nullptr, *failure = nullptr;
+PyObject *invalid_argument = nullptr, *cancelled = nullptr, *file_error = nullptr,
+         *failure = nullptr;
 
 PyObject* new_exception(py::module_& m, const char* name, const char* text, py::handle base) {
-  PyObject* type = PyErr_NewExceptionWithDoc((std::string("recon.") + name).c_str(), text, base.ptr(),
-                                             nullptr);
+  PyObject* type =
+      PyErr_NewExceptionWithDoc((std::string("recon.") + name).c_str(), text, base.ptr(), nullptr);
   if (!type) throw py::error_already_set();
   m.attr(name) = py::handle(type);
   return type;
@@ -21,20 +22,24 @@ PyObject* new_exception(py::module_& m, const char* name, const char* text, py::
 }  // namespace
 
 void define_errors(py::module_& m) {
-  invalid_argument = new_exception(m, "InvalidArgument",
-                                   "Wrong input: str() reads \"<argument> = <value>: <rule>\", and these are the "
-                                   "attributes argument, value and rule.",
-                                   PyExc_ValueError);
-  cancelled = new_exception(m, "Cancelled", "Raised by a call whose progress function has returned False.",
-                            PyExc_RuntimeError);
-  file_error = new_exception(m, "FileError",
-                             "Trouble with a file: str() names file, line and rule; the attributes are path and "
-                             "line (0 where no line is to blame).",
-                             PyExc_OSError);
-  failure = new_exception(m, "Failure",
-                          "Raised where a simulation cannot go on: str() names particle or node; the attributes are "
-                          "step and number.",
-                          PyExc_RuntimeError);
+  invalid_argument =
+      new_exception(m, "InvalidArgument",
+                    "Wrong input: str() reads \"<argument> = <value>: <rule>\", and these are the "
+                    "attributes argument, value and rule.",
+                    PyExc_ValueError);
+  cancelled =
+      new_exception(m, "Cancelled", "Raised by a call whose progress function has returned False.",
+                    PyExc_RuntimeError);
+  file_error = new_exception(
+      m, "FileError",
+      "Trouble with a file: str() names file, line and rule; the attributes are path and "
+      "line (0 where no line is to blame).",
+      PyExc_OSError);
+  failure = new_exception(
+      m, "Failure",
+      "Raised where a simulation cannot go on: str() names particle or node; the attributes are "
+      "step and number.",
+      PyExc_RuntimeError);
   py::register_exception_translator([](std::exception_ptr error) {
     try {
       if (error) std::rethrow_exception(error);

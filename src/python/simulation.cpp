@@ -67,7 +67,8 @@ auto reading(const PySimulation& self, Call&& call) {
 }  // namespace
 
 void define_simulation(py::module_& m) {
-  py::class_<PySimulation> simulation(m, "Simulation", R"(A problem of the material point method, step by step.
+  py::class_<PySimulation> simulation(m, "Simulation",
+                                      R"(A problem of the material point method, step by step.
 
 Parameters
 ----------
@@ -89,37 +90,50 @@ Examples
 ...     simulation.step()
 >>> x, v = simulation.particles["x"], simulation.particles["v"])");
   simulation
-      .def(py::init([](const std::filesystem::path& path, const std::vector<std::string>& settings) {
-             const py::gil_scoped_release release;
-             return std::unique_ptr<PySimulation>(new PySimulation{{path, settings}, {}});
-           }),
-           py::arg("path"), py::arg("settings"))
+      .def(
+          py::init([](const std::filesystem::path& path, const std::vector<std::string>& settings) {
+            const py::gil_scoped_release release;
+            return std::unique_ptr<PySimulation>(new PySimulation{{path, settings}, {}});
+          }),
+          py::arg("path"), py::arg("settings"))
       .def_property_readonly("title", [](const PySimulation& s) { return s.own.title(); })
       .def_property_readonly("method", [](const PySimulation& s) { return s.own.method(); })
       .def_property_readonly("dimension", [](const PySimulation& s) { return s.own.dimension(); })
-      .def_property_readonly("size", [](const PySimulation& s) { return s.own.size(); },
-                             "The number of particles.")
-      .def_property_readonly("end", [](const PySimulation& s) { return s.own.end(); },
-                             "The end of the problem; infinity where it has none.")
-      .def_property_readonly("time", [](const PySimulation& s) {
-        return reading(s, [](const AnySimulation& own) { return own.time(); });
-      })
-      .def_property_readonly("steps", [](const PySimulation& s) {
-        return reading(s, [](const AnySimulation& own) { return own.steps(); });
-      }, "Steps made so far.")
-      .def("choose_step", [](const PySimulation& s) {
-        return reading(s, [](const AnySimulation& own) {
-          const py::gil_scoped_release release;
-          return own.choose_step();
-        });
-      }, "The length of step that the rule of the problem gives.")
-      .def("step", [](PySimulation& s, std::optional<double> dt) {
-        return changing(s, [&](AnySimulation& own) {
-          const double length = dt ? *dt : own.choose_step();
-          own.step(length);
-          return length;
-        });
-      }, py::arg("dt") = py::none(), R"(One step, of the problem's rule where dt is not given.
+      .def_property_readonly(
+          "size", [](const PySimulation& s) { return s.own.size(); }, "The number of particles.")
+      .def_property_readonly(
+          "end", [](const PySimulation& s) { return s.own.end(); },
+          "The end of the problem; infinity where it has none.")
+      .def_property_readonly("time",
+                             [](const PySimulation& s) {
+                               return reading(s,
+                                              [](const AnySimulation& own) { return own.time(); });
+                             })
+      .def_property_readonly(
+          "steps",
+          [](const PySimulation& s) {
+            return reading(s, [](const AnySimulation& own) { return own.steps(); });
+          },
+          "Steps made so far.")
+      .def(
+          "choose_step",
+          [](const PySimulation& s) {
+            return reading(s, [](const AnySimulation& own) {
+              const py::gil_scoped_release release;
+              return own.choose_step();
+            });
+          },
+          "The length of step that the rule of the problem gives.")
+      .def(
+          "step",
+          [](PySimulation& s, std::optional<double> dt) {
+            return changing(s, [&](AnySimulation& own) {
+              const double length = dt ? *dt : own.choose_step();
+              own.step(length);
+              return length;
+            });
+          },
+          py::arg("dt") = py::none(), R"(One step, of the problem's rule where dt is not given.
 
 Returns
 -------
@@ -130,50 +144,74 @@ Raises
 ------
 Failure
     Where the particles cannot go on.)")
-      .def("run_until", [](PySimulation& s, double time, py::object progress) {
-        const auto between = std::make_shared<Between>(std::move(progress), s.own);
-        changing(s, [&](AnySimulation& own) {
-          own.run_until(time, [between] { (*between)(); });
-          return 0;
-        });
-      }, py::arg("time"), py::arg("progress") = py::none(), R"(Steps of the problem's rule until this time, to rounding.
+      .def(
+          "run_until",
+          [](PySimulation& s, double time, py::object progress) {
+            const auto between = std::make_shared<Between>(std::move(progress), s.own);
+            changing(s, [&](AnySimulation& own) {
+              own.run_until(time, [between] { (*between)(); });
+              return 0;
+            });
+          },
+          py::arg("time"), py::arg("progress") = py::none(),
+          R"(Steps of the problem's rule until this time, to rounding.
 
 Parameters
 ----------
 time : float
 progress : callable, optional
     ``progress(time)`` is called at most ten times a second; False ends the run between two steps.)")
-      .def("particle_array", [](const PySimulation& s, const std::string& name) {
-        return reading(s, [&](const AnySimulation& own) { return copy_of(own.particles(name)); });
-      }, py::arg("name"))
-      .def("particle_arrays", [](const PySimulation& s) {
-        return reading(s, [](const AnySimulation& own) { return own.particle_arrays(); });
-      })
-      .def("node_array", [](PySimulation& s, const std::string& name) {
-        if (!reading(s, [](const AnySimulation& own) { return own.mapped(); }))
-          changing(s, [](AnySimulation& own) { own.map(); return 0; });
-        return reading(s, [&](const AnySimulation& own) { return copy_of(own.nodes(name)); });
-      }, py::arg("name"))
-      .def("account", [](PySimulation& s) {
-        if (!reading(s, [](const AnySimulation& own) { return own.mapped(); }))
-          changing(s, [](AnySimulation& own) { own.map(); return 0; });
-        return reading(s, [](const AnySimulation& own) {
-          py::dict out;
-          for (const auto& [name, number] : own.account()) out[py::str(name)] = number;
-          return out;
-        });
-      }, "Momenta and energies as ledger.csv has them, a dict.")
-      .def_property_readonly("grid", [](const PySimulation& s) {
-        const AnySimulation::Grid grid = s.own.grid();
-        StructuredGrid<double> out;
-        out.dimension = static_cast<int>(grid.counts.size());
-        for (int d = 0; d < out.dimension; ++d) {
-          out.origin[d] = grid.origin[static_cast<std::size_t>(d)];
-          out.spacing[d] = grid.spacing[static_cast<std::size_t>(d)];
-          out.counts[d] = grid.counts[static_cast<std::size_t>(d)];
-        }
-        return out;
-      }, "The nodes, a StructuredGrid.")
+      .def(
+          "particle_array",
+          [](const PySimulation& s, const std::string& name) {
+            return reading(s,
+                           [&](const AnySimulation& own) { return copy_of(own.particles(name)); });
+          },
+          py::arg("name"))
+      .def("particle_arrays",
+           [](const PySimulation& s) {
+             return reading(s, [](const AnySimulation& own) { return own.particle_arrays(); });
+           })
+      .def(
+          "node_array",
+          [](PySimulation& s, const std::string& name) {
+            if (!reading(s, [](const AnySimulation& own) { return own.mapped(); }))
+              changing(s, [](AnySimulation& own) {
+                own.map();
+                return 0;
+              });
+            return reading(s, [&](const AnySimulation& own) { return copy_of(own.nodes(name)); });
+          },
+          py::arg("name"))
+      .def(
+          "account",
+          [](PySimulation& s) {
+            if (!reading(s, [](const AnySimulation& own) { return own.mapped(); }))
+              changing(s, [](AnySimulation& own) {
+                own.map();
+                return 0;
+              });
+            return reading(s, [](const AnySimulation& own) {
+              py::dict out;
+              for (const auto& [name, number] : own.account()) out[py::str(name)] = number;
+              return out;
+            });
+          },
+          "Momenta and energies as ledger.csv has them, a dict.")
+      .def_property_readonly(
+          "grid",
+          [](const PySimulation& s) {
+            const AnySimulation::Grid grid = s.own.grid();
+            StructuredGrid<double> out;
+            out.dimension = static_cast<int>(grid.counts.size());
+            for (int d = 0; d < out.dimension; ++d) {
+              out.origin[d] = grid.origin[static_cast<std::size_t>(d)];
+              out.spacing[d] = grid.spacing[static_cast<std::size_t>(d)];
+              out.counts[d] = grid.counts[static_cast<std::size_t>(d)];
+            }
+            return out;
+          },
+          "The nodes, a StructuredGrid.")
       .def("__repr__", [](const PySimulation& s) {
         return "<recon.mpm.Simulation '" + s.own.title() + "' by " + s.own.method() + ", " +
                std::to_string(s.own.size()) + " particles>";
