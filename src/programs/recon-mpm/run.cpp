@@ -1,5 +1,5 @@
 // recon-mpm run PROBLEM: one run, with frames, a ledger and checkpoints.
-#include "recon/mpm/run.hpp"
+#include "recon/runs/run.hpp"
 
 #include <signal.h>
 
@@ -38,10 +38,11 @@ std::string momentum(const std::array<double, 3>& p, int dimension) {
 }
 
 template <int D>
-void print_summary(const mpm::Problem<D>& problem, const mpm::RunResult& result, double seconds,
+void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result, double seconds,
                    const std::string& folder) {
+  const mpm::Problem<D>& problem = file.problem;
   const mpm::Ledger &first = result.first, &last = result.last;
-  print_line("problem", problem.title.empty() ? "untitled" : problem.title);
+  print_line("problem", file.title.empty() ? "untitled" : file.title);
   print_line("method", problem.method.name + ", " + std::to_string(D) + "-D, " +
                            counted(problem.particles.size(), "particle") + ", cells of " +
                            number(problem.grid.h()));
@@ -102,10 +103,11 @@ Json ledger_object(const mpm::Ledger& ledger, int dimension) {
 }
 
 template <int D>
-Json summary_object(const mpm::Problem<D>& problem, const mpm::RunResult& result, double seconds,
+Json summary_object(const mpm::ProblemFile<D>& file, const mpm::RunResult& result, double seconds,
                     const std::string& folder) {
+  const mpm::Problem<D>& problem = file.problem;
   Json object = Json::object();
-  object.set("problem", problem.title).set("method", problem.method.name).set("dimension", D);
+  object.set("problem", file.title).set("method", problem.method.name).set("dimension", D);
   object.set("particles", problem.particles.size()).set("cell", problem.grid.h());
   Json expected = Json::object().set("steps", result.forecast.steps);
   expected.set("step", result.forecast.step.dt).set("memory", result.forecast.memory);
@@ -271,9 +273,9 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
     throw ProgramError(no_output, error.what());
   }
   const std::string folder = run_options.folder.string();
-  Json summary = summary_object(file.problem, result, progress.seconds(), folder);
+  Json summary = summary_object(file, result, progress.seconds(), folder);
   if (options.json && (result.stopped || !file.output.ledger)) print_json(summary);
-  if (!options.json) print_summary(file.problem, result, progress.seconds(), folder);
+  if (!options.json) print_summary(file, result, progress.seconds(), folder);
   if (result.stopped)
     throw ProgramError(static_cast<ExitCode>(128 + signals.seen()),
                        "stopped at time " + number(saved.time) + ", step " +
