@@ -138,6 +138,17 @@ TEST_F(HabitsTest, ManualAndCompletionHaveEveryOption) {
   expect_all_options_everywhere();
 }
 
+TEST_F(HabitsTest, ManualPagesHaveAName) {
+  EXPECT_THAT(succeed("manual"),
+              HasSubstr(".SH NAME\nrecon \\- turns scattered particle data into fields\n"));
+  EXPECT_THAT(succeed("manual map"),
+              HasSubstr(".SH NAME\nrecon\\-map \\- Particle data to fields"));
+  if (!has("man")) GTEST_SKIP() << "man is not installed";
+  const Outcome outcome = shell("'" + program() + "' manual map > map.1; man --warnings -l map.1");
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("--max-distance"), HasSubstr("EXIT STATUS")));
+}
+
 TEST_F(HabitsTest, CompletionInBash) {
   if (!has("bash")) GTEST_SKIP() << "bash is not installed";
   EXPECT_THAT(completed("recon m"), ElementsAre("map"));

@@ -56,6 +56,14 @@ std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
+// The first clause of a program's description, without its name: for the list that apropos searches.
+std::string brief_of(const std::string& description, const std::string& program) {
+  std::string text = description.substr(0, description.find("\n\n"));
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  text.resize(std::min(text.find_first_of(":,."), text.size()));
+  return text.starts_with(program + " ") ? text.substr(program.size() + 1) : text;
+}
+
 std::string joined(const std::vector<std::string>& words, const char* separator) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
@@ -115,7 +123,8 @@ std::string manual_page(CLI::App& app, std::string_view command, std::string_vie
   for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
 
   std::string text = ".TH \"" + upper + "\" 1 \"\" \"" + program + " " RECON_VERSION "\"\n" +
-                     ".SH NAME\n" + troff(name) + " \\- " + troff(first_line(description)) + "\n" +
+                     ".SH NAME\n" + troff(name) + " \\- " +
+                     troff(page == &app ? brief_of(description, program) : description) + "\n" +
                      ".SH SYNOPSIS\n.B " + troff(program);
   if (page == &app) {
     text += "\n\\fICOMMAND\\fR [\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n" + set_in(description);
