@@ -30,8 +30,10 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
                      const NeighbourOptions& options, const RowsAsked& rows,
                      NeighbourList<Scalar>& list) {
   // Before a search is built for it.
-  require_valid_rule<Scalar>(rule, targets.size(), index.cloud().size());
+  require_valid_rule<Scalar>(rule, D, targets.size(), index.cloud().size());
   list.pair_support.clear();
+  list.tensor.clear();
+  list.pair_tensor.clear();
   static_cast<void>(resolved(options.instruction_set));
   const PointCloud<Scalar>& particles = index.cloud();
   require(targets.dimension() == particles.dimension(), "dimension of the targets",
@@ -41,9 +43,9 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
   };
   const bool automatic = options.search == SearchMethod::automatic;
   if (automatic && particles.size() <= few_particles) return with(index.brute_force());
-  if (const auto* pairs = std::get_if<PairRadii>(&rule); automatic && pairs) {
-    require_valid_question(particles, targets, rule, domain);
-    return find_pairs<D>(index, targets, *pairs, domain, options, list);
+  if (automatic && finds_pairs(rule)) {
+    require_valid_question(particles, targets, rule, domain, options.shape);
+    return find_pairs<D>(index, targets, rule, domain, options, list);
   }
   if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
       covered_by_cells(rule, options)) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "operators/fit_problem.hpp"
+#include "operators/list_rows.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon {
@@ -188,15 +189,9 @@ NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
   out.support_factor = list.support_factor;
   out.indices.reserve(list.indices.size());
   out.shifts.reserve(list.shifts.size());
-  for (std::size_t t = 0; t < list.targets(); ++t) {
-    const std::size_t row = pattern.row(t);
-    const std::int64_t begin = list.offsets[row], end = list.offsets[row + 1];
-    out.indices.insert(out.indices.end(), list.indices.begin() + begin, list.indices.begin() + end);
-    if (!list.shifts.empty())
-      out.shifts.insert(out.shifts.end(), list.shifts.begin() + begin, list.shifts.begin() + end);
-    out.offsets.push_back(static_cast<std::int64_t>(out.indices.size()));
-    out.support.push_back(list.support[row]);
-  }
+  const detail::NumbersOf numbers(list);
+  for (std::size_t t = 0; t < list.targets(); ++t)
+    detail::append_row(list, pattern.row(t), numbers, out);
   return out;
 }
 
