@@ -17,7 +17,10 @@ constexpr std::size_t few_particles = 32;  // brute force is the fastest up to a
 // For the questions that the batch search by cells does not cover.
 SearchMethod chosen(SearchMethod method, const NeighbourRule& rule) {
   if (method != SearchMethod::automatic) return method;
-  return std::holds_alternative<Radius>(rule) ? SearchMethod::cell_grid : SearchMethod::kd_tree;
+  const bool cells = std::holds_alternative<Radius>(rule) ||
+                     std::holds_alternative<Ellipsoids>(rule) ||
+                     std::holds_alternative<PairEllipsoids>(rule);
+  return cells ? SearchMethod::cell_grid : SearchMethod::kd_tree;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The search for PairRadii and PairEllipsoids: pairs that are within the support of the particle, of
-// the target, or of both.
+// The search for PairRadii and PairEllipsoids: pairs that are within the support of the particle,
+// of the target, or of both.
 //
 // Which targets a particle reaches is found by a search among the targets, and turned round. So
 // radii may differ by any factor: the cost is that of the pairs found. Only means of tensors, which

@@ -63,8 +63,8 @@ class Kernel final : public ShapeKernel<Scalar> {
   using Powers = std::array<int, max_dimension>;
   using Frames = LocalFrames<Scalar, D>;
 
-  // Treats one target after another, in its frame where there are frames: derivatives then are those
-  // along the axes of the frame.
+  // Treats one target after another, in its frame where there are frames: derivatives then are
+  // those along the axes of the frame.
   class Single {
    public:
     explicit Single(const ShapeChoice& choice)
@@ -172,8 +172,8 @@ class Kernel final : public ShapeKernel<Scalar> {
                 "must be a normal number of the precision: choose another unit of length");
     }
 
-    // From what functionals make of monomials in x_p - x to what they make of those in xi = map (x_p
-    // - x) / rho, which are sums of monomials of the same degree.
+    // From what functionals make of monomials in x_p - x to what they make of those in xi = map
+    // (x_p - x) / rho, which are sums of monomials of the same degree.
     void turn_actions(const std::array<std::array<double, D>, D>& map, double rho, int terms,
                       std::size_t numbers) {
       // Row a: the coefficients of monomial a in xi; it is one of a lower degree times a component.

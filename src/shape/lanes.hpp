@@ -29,8 +29,8 @@ struct LaneTask {
   const Scalar* support = nullptr;
   const Scalar* pair_support = nullptr;  // null: none
   // Where supports are ellipsoids, local_frames.hpp: x_p - x of the entries, from the first of
-  // `begin` on, D numbers each, `targets` then only their sizes; and q and q dq / dxi of the entries
-  // whose supports belong to the pair. Null: none.
+  // `begin` on, D numbers each, `targets` then only their sizes; and q and q dq / dxi of the
+  // entries whose supports belong to the pair. Null: none.
   const Scalar* local_offsets = nullptr;
   const Scalar* pair_distances = nullptr;
   const Scalar* pair_slopes = nullptr;

@@ -295,8 +295,8 @@ TYPED_TEST(EllipsoidGradient, IsExactOnPolynomials) {
     }
 }
 
-// x -> M x of points, targets and ellipsoids leaves q, and with it the shape functions, as they are;
-// gradients become M^-T times theirs.
+// x -> M x of points, targets and ellipsoids leaves q, and with it the shape functions, as they
+// are; gradients become M^-T times theirs.
 TYPED_TEST(EllipsoidGradient, FollowsALinearMap) {
   constexpr int D = TypeParam::D;
   const Clouds<double, D> clouds;
@@ -348,8 +348,8 @@ TYPED_TEST(EllipsoidGradient, FollowsALinearMap) {
 }
 
 // A cloud of layers, 1 wide along a diagonal of the plane and 1/50 across, with a field that varies
-// as fast across as the layers allow. A ball that holds enough particles reaches over so many layers
-// that the field is lost; ellipsoids along the layers see it.
+// as fast across as the layers allow. A ball that holds enough particles reaches over so many
+// layers that the field is lost; ellipsoids along the layers see it.
 TEST(EllipsoidsOnLayers, ResolveWhatBallsDoNot) {
   const double thin = 1.0 / 50, angle = 0.5;
   Matrix<2> axes;
@@ -393,6 +393,61 @@ TEST(EllipsoidsOnLayers, ResolveWhatBallsDoNot) {
   ::testing::Test::RecordProperty("error_of_the_nearest", std::to_string(error_of(nearest)));
 }
 
+// However thin the layers are, ellipsoids that are as thin see what they see where they are thick.
+TEST(EllipsoidsOnLayers, SeeThinOnesAsThickOnes) {
+  const auto reference = jittered_points<double, 2>(60, 0.3, 1);
+  const auto inner = random_points<double, 2>(300, 2);
+  const auto u = smooth_field<double, 2>(reference);
+  RandomNumbers random(3);
+  const Matrix<2> axes = random_rotation<2>(random);
+  const auto values = [&](double thin, Solver solver) {
+    const Matrix<2> layers = axes * Eigen::Vector2d(1, thin).asDiagonal();
+    const Matrix<2> tensor = 3.5 / 60 * (layers * axes.transpose());
+    const std::vector<Matrix<2>> tensors(reference.size(), (tensor + tensor.transpose()) / 2);
+    const auto points = mapped_points<2>(reference, layers), at = mapped_points<2>(inner, layers);
+    const auto fit = reconstruct(
+        points_of(points), points_of(at),
+        {.degree = 2, .neighbours = PairEllipsoids{field_of(tensors)}, .solver = solver});
+    EXPECT_EQ(fit.report().summary().full, at.size());
+    return fit.apply(field_of(u));
+  };
+  for (const Solver solver : all_solvers) {
+    const MatrixXd thick = values(1, solver);
+    EXPECT_LT((values(1e-2, solver) - thick).cwiseAbs().maxCoeff(), 1e-10);
+    EXPECT_LT((values(1e-4, solver) - thick).cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+// Coordinates are rounded. What that moves particles by, across a line on which they lie, is no
+// extent, however thin the ellipsoid is there.
+TEST(EllipsoidsOnLayers, RoundingIsNoExtent) {
+  PointList<double, 2> points;
+  std::vector<double> u;
+  for (const auto& s : random_points<double, 1>(300, 1)) {
+    points.push_back({1000 + s[0], 1000 + 0.37 * s[0]});
+    u.push_back(s[0]);
+  }
+  Matrix<2> axes;
+  axes << 1, -0.37, 0.37, 1;
+  axes /= std::hypot(1, 0.37);
+  const Matrix<2> tensor = axes * Eigen::Vector2d(0.1, 2e-6).asDiagonal() * axes.transpose();
+  const std::vector<Matrix<2>> tensors(300, tensor);
+  for (const NeighbourRule& rule : {NeighbourRule(Ellipsoids{field_of(tensors)}),
+                                    NeighbourRule(PairEllipsoids{field_of(tensors)})})
+    for (const Solver solver : all_solvers) {
+      const auto fit = reconstruct(points_of(points), points_of(points),
+                                   {.degree = 1, .neighbours = rule, .solver = solver});
+      const MatrixXd gradient = fit.gradient().apply(field_of(u));
+      for (std::size_t t = 0; t < points.size(); ++t) {
+        EXPECT_EQ(fit.report()[t].rank, 2) << name_of(solver);
+        EXPECT_EQ(fit.report()[t].gradient_rank, 1);
+        // Along the line; across it is 0.
+        EXPECT_NEAR(gradient(t, 0), 1 / (1 + 0.37 * 0.37), 1e-4);
+        EXPECT_NEAR(gradient(t, 1), 0.37 / (1 + 0.37 * 0.37), 1e-4);
+      }
+    }
+}
+
 void expect_same_bits(const Reconstruction& a, const Reconstruction& b, const std::string& where) {
   EXPECT_EQ(numbers_of(a.values()), numbers_of(b.values())) << where;
   EXPECT_EQ(numbers_of(a.gradient()), numbers_of(b.gradient())) << where;
@@ -400,9 +455,9 @@ void expect_same_bits(const Reconstruction& a, const Reconstruction& b, const st
     EXPECT_EQ(a.report()[t], b.report()[t]) << where;
 }
 
-// Sources in their own order, a periodic domain, updates with and without new tensors, supports that
-// grow, targets that are too far or have the nearest: as one call with everything new, with any
-// number of threads and by any search.
+// Sources in their own order, a periodic domain, updates with and without new tensors, supports
+// that grow, targets that are too far or have the nearest: as one call with everything new, with
+// any number of threads and by any search.
 TEST(EllipsoidPattern, HoldsWhateverElseIsAsked) {
   auto points = random_points<double, 2>(2000, 11);
   const auto targets = random_points<double, 2>(1500, 12);
@@ -521,6 +576,14 @@ TEST(EllipsoidPattern, IsAListOfOnesOwn) {
   NeighbourList<double> list = reconstruct(points_of(points), points_of(targets),
                                            {.neighbours = PairEllipsoids{field_of(of_points)}})
                                    .neighbours();
+  // Without tensors of the targets the unit of length is the same along all axes.
+  const auto fit = reconstruct(points_of(points), points_of(targets), list);
+  NeighbourList<double> plain = list;
+  plain.tensor.clear();
+  const auto in_balls = reconstruct(points_of(points), points_of(targets), plain);
+  EXPECT_EQ(fit.report().summary().full, in_balls.report().summary().full);
+  expect_near(numbers_of(in_balls.values()), numbers_of(fit.values()), 1e-11, "values");
+  expect_near(numbers_of(in_balls.gradient()), numbers_of(fit.gradient()), 1e-11, "gradient");
   EXPECT_NE(message_of([&] {
               reconstruct(points_of(points), points_of(targets), list,
                           {.form = WeightForm::tensor_product});

@@ -6,25 +6,25 @@
 //   Nearest{k, factor}   the k nearest particles;                     rho = factor * k-th distance
 //   NearestWithin{k, r}  the k nearest of those with |x_p - x| <= r;  rho = r
 //   PairRadii{h}         |x_p - x| <= h_p, a radius of each particle;   rho = the largest h_p
-//   Ellipsoids{A}        |A_t^-1 (x_p - x)| <= 1, a tensor of each target; rho = its largest half axis
-//   PairEllipsoids{A}    |A_p^-1 (x_p - x)| <= 1, a tensor of each particle; rho = the largest of all
+//   Ellipsoids{A}        |A_t^-1 (x_p - x)| <= 1, a tensor of each target; rho = largest half axis
+//   PairEllipsoids{A}    |A_p^-1 (x_p - x)| <= 1, a tensor of each particle; rho = largest of all
 // PairRadii also takes the mean of h_p and of a radius h_t of the target, or the larger one, as in
-// smoothed particle hydrodynamics (Monaghan 2005, sec. 2.7); its lists hold the radius of each pair.
-// What a fit judges against the support (FitTolerances::gradient_extent) it judges against the
-// largest h_p that reaches the target: one radius a thousand times the others makes slopes there
-// unresolved, which FitReport::gradient_rank says.
+// smoothed particle hydrodynamics (Monaghan 2005, sec. 2.7); its lists hold the radius of each
+// pair. What a fit judges against the support (FitTolerances::gradient_extent) it judges against
+// the largest h_p that reaches the target: one radius a thousand times the others makes slopes
+// there unresolved, which FitReport::gradient_rank says.
 // Ellipsoids have any orientation: support_tensor.hpp says what A is. PairEllipsoids also takes the
 // mean (A_p + A_t) / 2; of two ellipsoids neither is the larger. Its lists hold the tensor of each
-// pair, 8 D (D + 1) / 2 bytes in double, and the mean of them for each target, enlarged to rho, in
-// whose axes the fit is made and judged.
+// pair, 8 D (D + 1) / 2 bytes in double, and for each target the mean of them, enlarged to rho: in
+// its coordinates the fit is made and judged.
 // With SupportShape::cube, for tensor-product weights, the support is the cube |x_p - x| <= rho on
 // every axis: Radius and Radii take all in the cube, NearestWithin the k nearest (Euclidean) in the
-// cube, and Nearest the k nearest with rho = factor * the largest distance along an axis. Ellipsoids
-// becomes the parallelepiped of its tensor; PairEllipsoids has balls only.
+// cube, and Nearest the k nearest with rho = factor * the largest distance along an axis. That of
+// Ellipsoids is the parallelepiped of the tensor; PairEllipsoids has balls only.
 //
-// Order: Radius, Radii, PairRadii and the ellipsoids list by ascending (index, shift); the nearest rules by ascending
-// (distance, index, shift). The result depends neither on the search method nor on the instruction
-// set nor on the number of threads, to the bit.
+// Order: Radius, Radii, PairRadii and the ellipsoids list by ascending (index, shift); the nearest
+// rules by ascending (distance, index, shift). The result depends neither on the search method nor
+// on the instruction set nor on the number of threads, to the bit.
 //
 // Periodic domains: every image of a particle counts, so a particle can be listed several times
 // with different shifts, and supports may exceed the period. The image of p with shift s is at
@@ -119,8 +119,9 @@ struct NeighbourOptions {
 };
 
 // Throws InvalidArgument for rules with values outside their range, radii and tensors that are not
-// one per target or particle, tensors that are no support tensors, clouds of different dimension or outside the periodic domain, and supports that need
-// shifts beyond +-127. find_neighbours_with.hpp does the same with a search of your own.
+// one per target or particle, tensors that are no support tensors, clouds of different dimension or
+// outside the periodic domain, and supports that need shifts beyond +-127. find_neighbours_with.hpp
+// does the same with a search of your own.
 template <class Scalar>
 NeighbourList<Scalar> find_neighbours(const PointCloud<Scalar>& particles,
                                       const PointCloud<Scalar>& targets, const NeighbourRule& rule,

@@ -35,9 +35,9 @@ using ImageShift = std::array<std::int8_t, max_dimension>;
 // stands still. Nearest{k, factor} makes lists with its factor, all other rules make lists with 0;
 // a list of your own has 0 unless you set it.
 //
-// `pair_support` is empty, or holds for each index the support radius of that pair alone (a length):
-// the weight is then w(|x_p - x| / pair_support), and `support` only the unit of length of the fit,
-// which must be of the same order. Such supports stand still: support_factor is 0.
+// `pair_support` is empty, or holds for each index the support radius of that pair alone (a
+// length): the weight is then w(|x_p - x| / pair_support), and `support` only the unit of length of
+// the fit, which must be of the same order. Such supports stand still: support_factor is 0.
 //
 // `tensor` is empty, or holds for each target a packed support tensor A (support_tensor.hpp): q is
 // |A^-1 (x_p - x)|, `support` the largest half axis, and pair_support empty. `pair_tensor` likewise
@@ -62,9 +62,9 @@ struct NeighbourList {
 
   // Throws InvalidArgument unless the list is one for `target_count` targets among `particle_count`
   // particles: offsets start at 0, never fall and end at the number of indices; every index is
-  // smaller than particle_count; shifts, pair supports and pair tensors are absent or one per index,
-  // tensors absent or one per target; supports are positive and finite, tensors positive definite;
-  // support_factor is 0, or without pair supports and tensors finite and at least 1.
+  // smaller than particle_count; shifts, pair supports and pair tensors are absent or one per
+  // index, tensors absent or one per target; supports are positive and finite, tensors positive
+  // definite; support_factor is 0, or without pair supports and tensors finite and at least 1.
   void validate(std::size_t target_count, std::size_t particle_count) const;
 };
 

@@ -39,8 +39,9 @@ SymmetricTensor<D> pair_tensor(const PairEllipsoids& rule, std::size_t target,
   return (of_particle + tensor_at<D>(rule.targets, target)) * 0.5;
 }
 
-// The support that is the largest along each axis, of all that may be that of a pair: half the edges
-// of a box, that of the particles where a mean is taken of tensors. 0 for rules without pairs.
+// The support that is the largest along each axis, of all that may be that of a pair: half the
+// edges of a box, that of the particles where a mean is taken of tensors. 0 for rules without
+// pairs.
 template <int D>
 std::array<double, D> largest_pair_support(const NeighbourRule& rule) {
   std::array<double, D> largest{};

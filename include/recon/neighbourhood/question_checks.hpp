@@ -20,8 +20,8 @@ inline void require_count(std::size_t k) {
   require(k <= 0xFFFFFFFFu, "k", static_cast<std::int64_t>(k), "must be from 1 to 2^32 - 1");
 }
 
-// Throws InvalidArgument for values outside their range and numbers of radii or tensors that are not
-// those of the targets and particles.
+// Throws InvalidArgument for values outside their range and numbers of radii or tensors that are
+// not those of the targets and particles.
 template <class Scalar>
 void require_valid_rule(const NeighbourRule& rule, int dimension, std::size_t targets,
                         std::size_t particles) {

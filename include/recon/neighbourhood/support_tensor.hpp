@@ -28,11 +28,11 @@
 
 namespace recon {
 
-// The packed tensors (F F^T)^(1/2) of matrices F whose columns are the half axes of parallelepipeds,
-// one after another in D * D components: particles that have been deformed, whose half axes are F
-// times those that they had. A sphere that becomes an ellipsoid under F has this tensor. Throws
-// InvalidArgument for a number of components other than 1, 4 or 9, and for numbers that are not
-// finite; what comes of half axes in one plane is refused where it is used.
+// The packed tensors (F F^T)^(1/2) of matrices F whose columns are the half axes of
+// parallelepipeds, one after another in D * D components: particles that have been deformed, whose
+// half axes are F times those that they had. A sphere that becomes an ellipsoid under F has this
+// tensor. Throws InvalidArgument for a number of components other than 1, 4 or 9, and for numbers
+// that are not finite; what comes of half axes in one plane is refused where it is used.
 std::vector<double> support_tensors(const FieldView<double>& half_axes);
 
 namespace detail {
@@ -78,23 +78,19 @@ struct SymmetricTensor {
   }
 
   double determinant() const {
-    const auto& a = *this;
-    if constexpr (D == 1) return a(0, 0);
-    if constexpr (D == 2) return a(0, 0) * a(1, 1) - a(0, 1) * a(0, 1);
-    if constexpr (D == 3)
-      return a(0, 0) * cofactor(0, 0) + a(0, 1) * cofactor(0, 1) + a(0, 2) * cofactor(0, 2);
+    const SymmetricTensor c = cofactors();
+    double sum = 0;
+    for (int j = 0; j < D; ++j) sum += (*this)(0, j) * c(0, j);
+    return sum;
   }
   // Entries are divided by the largest first, so that no product of them leaves the range.
   SymmetricTensor inverse() const {
     double largest = 0;
     for (const double number : numbers) largest = std::max(largest, std::abs(number));
-    const SymmetricTensor scaled = *this * (1 / largest);
-    const double determinant = scaled.determinant();
-    SymmetricTensor result;
-    for (int i = 0; i < D; ++i)
-      for (int j = i; j < D; ++j)
-        result.numbers[place(i, j)] = scaled.cofactor(i, j) / determinant / largest;
-    return result;
+    const SymmetricTensor scaled = *this * (1 / largest), c = scaled.cofactors();
+    double determinant = 0;
+    for (int j = 0; j < D; ++j) determinant += scaled(0, j) * c(0, j);
+    return c * (1 / (determinant * largest));
   }
 
   // Half the edges of the box around the ellipsoid or, in a cube, around the parallelepiped.
@@ -108,14 +104,13 @@ struct SymmetricTensor {
   }
 
  private:
-  double cofactor(int i, int j) const {
-    const auto& a = *this;
-    if constexpr (D == 1) return 1;
-    if constexpr (D == 2) return i == j ? a(1 - i, 1 - i) : -a(0, 1);
-    if constexpr (D == 3) {
-      const int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
-      return a(k, m) * a(l, n) - a(k, n) * a(l, m);
-    }
+  SymmetricTensor cofactors() const {
+    const auto& a = numbers;
+    if constexpr (D == 1) return {{1}};
+    if constexpr (D == 2) return {{a[2], -a[1], a[0]}};
+    if constexpr (D == 3)
+      return {{a[3] * a[5] - a[4] * a[4], a[2] * a[4] - a[1] * a[5], a[1] * a[4] - a[2] * a[3],
+               a[0] * a[5] - a[2] * a[2], a[1] * a[2] - a[0] * a[4], a[0] * a[3] - a[1] * a[1]}};
   }
 };
 
@@ -155,7 +150,8 @@ auto with_dimension(int dimension, const Use& use) {
   }
 }
 
-// Appends tensor number i, packed and multiplied by a factor; and a view of tensors packed like that.
+// Appends tensor number i, packed and multiplied by a factor; and a view of tensors packed like
+// that.
 void append_packed(const FieldView<double>& tensors, std::size_t i, double factor,
                    std::vector<double>& packed);
 FieldView<double> view_of_packed(const std::vector<double>& packed, int dimension);

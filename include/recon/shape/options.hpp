@@ -55,9 +55,9 @@ struct Options {
   std::span<const double> particle_weights{};
   // Radius{rho}, Radii{per target}, Nearest{k, factor}, NearestWithin{k, rho}, PairRadii{per
   // particle}; for ellipsoids of any orientation Ellipsoids{per target} and, with radial weights,
-  // PairEllipsoids{per particle}; lengths. The support of Nearest moves with the k-th neighbour, and exact gradients
-  // with it; all others, and those of a list of your own unless it says otherwise, stand still
-  // (NeighbourList::support_factor).
+  // PairEllipsoids{per particle}; lengths. The support of Nearest moves with the k-th neighbour,
+  // and exact gradients with it; all others, and those of a list of your own unless it says
+  // otherwise, stand still (NeighbourList::support_factor).
   std::optional<NeighbourRule> neighbours{};
   std::optional<Solver> solver{};
 

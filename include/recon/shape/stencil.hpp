@@ -2,11 +2,11 @@
 //
 //     xi = (x_p - x) / rho,   radial: w = w(|xi|),   tensor product: w = prod_d w(|xi_d|),
 //     d w / d x = -(sum_d dw/dxi_d (e_d + xi_d grad rho)) / rho .
-// Where a pair has a support rho_p of its own, w is that of |xi| rho / rho_p. Where its support is an
-// ellipsoid of its own, the caller says q and q dq / dxi.
-// With particle weights m_p, w and its derivatives are multiplied by them. Weights are divided by
-// the largest, so that a fit does not see their scale. The arrays are kept from target to target
-// (core/memory.hpp): nothing is allocated once warm. Use one object per thread.
+// Where a pair has a support rho_p of its own, w is that of |xi| rho / rho_p. Where its support is
+// an ellipsoid of its own, the caller says q and q dq / dxi. With particle weights m_p, w and its
+// derivatives are multiplied by them. Weights are divided by the largest, so that a fit does not
+// see their scale. The arrays are kept from target to target (core/memory.hpp): nothing is
+// allocated once warm. Use one object per thread.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane: then particles are not dropped but
 // get the weight 0.
@@ -71,18 +71,18 @@ class Stencil {
     return lane_by_lane(particle_weight());
   }
 
-  // The caller fills in the supports rho_p > 0 of the pairs, laid out as offsets(), and any positive
-  // number for neighbours that a lane does not have. Called only where pairs have supports of their
-  // own, and before weigh().
+  // The caller fills in the supports rho_p > 0 of the pairs, laid out as offsets(), and any
+  // positive number for neighbours that a lane does not have. Called only where pairs have supports
+  // of their own, and before weigh().
   constexpr Scalar* pair_supports() {
     has_pair_supports_ = true;
     return lane_by_lane(pair_ratio());
   }
 
-  // The caller fills in q >= 0 of the pairs, laid out as offsets(), and any number for neighbours that
-  // a lane does not have. Called only for radial weights where pairs have ellipsoids of their own as
-  // supports, and before weigh(). Where that is to form slopes, the caller also fills in q dq / dxi
-  // along each axis d.
+  // The caller fills in q >= 0 of the pairs, laid out as offsets(), and any number for neighbours
+  // that a lane does not have. Called only for radial weights where pairs have ellipsoids of their
+  // own as supports, and before weigh(). Where that is to form slopes, the caller also fills in
+  // q dq / dxi along each axis d.
   constexpr Scalar* pair_distances() {
     has_pair_distances_ = true;
     return lane_by_lane(pair_ratio());
