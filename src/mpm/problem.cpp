@@ -5,7 +5,6 @@
 
 #include "mpm/finite.hpp"
 #include "mpm/modes.hpp"
-#include "recon/core/parallel.hpp"
 
 namespace recon::mpm {
 
@@ -13,31 +12,8 @@ namespace {
 using recon::detail::require;
 }  // namespace
 
-template <int D>
-void Problem<D>::follow_exact() {
-  for (std::size_t p = 0; p < particles.size(); ++p) {
-    const auto state = exact->at(particles.X[p], 0);
-    particles.v[p] = state.velocity;
-    particles.L[p] = state.velocity_gradient;
-  }
-  body_force = [exact = exact](const Particles<D>& at, double t, int concurrency,
-                               std::vector<Vector<D>>& out) {
-    parallel_blocks(at.size(), 1024, concurrency, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) out[p] += exact->at(at.X[p], t).body_force;
-    });
-  };
-}
-
 void validate_density(double density) {
   require(density > 0 && std::isfinite(density), "density", density, "must be positive and finite");
-}
-
-const NeoHookean& material_of_exact(const std::vector<Material>& materials) {
-  require(materials.size() == 1, "bodies with an exact solution", materials.size(), "must be one");
-  const auto* material = std::get_if<NeoHookean>(&materials[0]);
-  require(material != nullptr, "material of an exact solution", "linear_elastic",
-          "must be neo_hookean");
-  return *material;
 }
 
 void TimeOptions::validate() const {
@@ -46,11 +22,6 @@ void TimeOptions::validate() const {
           "must be positive and finite");
   require(rule != StepRule::fixed || (step > 0 && std::isfinite(step)), "step", step,
           "must be positive and finite");
-}
-
-void Limits::validate() const {
-  require(memory >= 0, "limit of memory", memory, "must be bytes, or 0 for what the machine has");
-  require(steps > 0, "limit of steps", steps, "must be positive");
 }
 
 template <int D>
@@ -135,11 +106,9 @@ void Problem<D>::validate() const {
   for (const Material& material : materials) validate_material(material);
   for (const double density : densities) validate_density(density);
   validate(particles);
-  if (exact) material_of_exact(materials);
   for (const Boundary<D>& boundary : boundaries) boundary.validate(grid);
   for (const Load<D>& load : loads) load.validate(particles.size());
   time.validate();
-  limits.validate();
 }
 
 template <int D>

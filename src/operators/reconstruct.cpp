@@ -174,6 +174,22 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::hessian() const {
 }
 
 template <class Scalar>
+std::vector<AnyOperator<Scalar>> BasicReconstruction<Scalar>::operators(
+    std::span<const AnyFunctional> functionals) const {
+  std::vector<detail::ComponentFunctional> bases;
+  for (const AnyFunctional& any : functionals)
+    bases.push_back(
+        std::visit([](const auto& functional) { return detail::base_of(functional); }, any));
+  std::vector<CsrOperator<Scalar>> made = operators_of(bases);
+  std::vector<AnyOperator<Scalar>> all;
+  for (std::size_t i = 0; i < functionals.size(); ++i)
+    std::visit(
+        [&](const auto& functional) { all.emplace_back(finished(std::move(made[i]), functional)); },
+        functionals[i]);
+  return all;
+}
+
+template <class Scalar>
 const FitReports& BasicReconstruction<Scalar>::report() const {
   problem_->pattern()->require_current();
   return problem_->reports();

@@ -100,22 +100,22 @@ TESTS = {
     "a condition with an unknown column, an assignment, or `0 < x < 5`":
         ["programs.WhereTest.Mistakes"],
     "a body of the material point method across the border of the grid":
-        ["mpm.MpmFiles.BodiesLieInTheGrid", "mpm.Problems.AreChecked"],
+        ["runs.MpmFiles.BodiesLieInTheGrid", "mpm.Problems.AreChecked"],
     "a step that does not move the clock, more steps or memory than there is":
-        ["mpm.States.AreOfOneTime", "mpm.MpmFiles.TooMuchIsRefusedWithNumbers",
+        ["mpm.States.AreOfOneTime", "runs.MpmFiles.TooMuchIsRefusedWithNumbers",
          "programs.MistakesTest.MoreMemoryThanThereIs"],
     "a step longer than the method bears, a method known to break there":
-        ["programs.MpmProgram.StabilityLimits", "mpm.Stability.LimitFollowsFromTheMaps",
+        ["programs.MpmProgram.StabilityLimits", "studies.Stability.LimitFollowsFromTheMaps",
          "mpm.Elements.WithStressBreakWhenAMassChangesItsSign"],
     "choices of a method that do not go together, unknown words in a composition":
-        ["mpm.Methods.SayWhyChoicesAreRefused", "mpm.Methods.AreComposed", "mpm.MpmFiles.MethodsAreComposed"],
+        ["mpm.Methods.SayWhyChoicesAreRefused", "mpm.Methods.AreComposed", "runs.MpmFiles.MethodsAreComposed"],
     "a point of another dimension than the grid's in `scatter` and `gather`":
         ["structure.scatter_of_another_dimension_is_refused_arrays",
          "structure.scatter_of_another_dimension_is_refused_eigen",
          "structure.scatter_of_another_dimension_is_refused_one_point"],
     "a checkpoint that is damaged, or of another problem":
-        ["mpm.MpmCheckpoint.BelongsToItsProblem", "mpm.MpmCheckpoint.DamageIsFound",
-         "mpm.MpmCheckpoint.ContentsAreCheckedBeforeTheyAreUsed", "mpm.MpmCheckpoint.ChangedCopiesDoNotCrash"],
+        ["runs.MpmCheckpoint.BelongsToItsProblem", "runs.MpmCheckpoint.DamageIsFound",
+         "runs.MpmCheckpoint.ContentsAreCheckedBeforeTheyAreUsed", "runs.MpmCheckpoint.ChangedCopiesDoNotCrash"],
 }
 
 

@@ -13,8 +13,8 @@
 #include <fstream>
 #include <string>
 
-#include "recon/mpm/checkpoint.hpp"
-#include "recon/mpm/read_problem.hpp"
+#include "recon/runs/checkpoint.hpp"
+#include "recon/runs/read_problem.hpp"
 #include "support/checkpoint_seal.hpp"
 
 namespace {
@@ -41,10 +41,14 @@ name = "cpdi2"
 end = 1
 )";
 
-recon::mpm::Simulation<2> fresh() {
+const recon::mpm::ProblemFile<2>& problem() {
   static const auto file =
       std::get<recon::mpm::ProblemFile<2>>(recon::mpm::read_problem_text(text, "fuzz.toml"));
-  return recon::mpm::Simulation<2>(file.problem);
+  return file;
+}
+
+recon::mpm::Simulation<2> fresh() {
+  return recon::mpm::Simulation<2>(problem().problem);
 }
 
 void two_steps(recon::mpm::Simulation<2>& simulation) {
@@ -79,7 +83,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   if (!folder) return 0;
   recon::mpm::Simulation<2> simulation = fresh();
   two_steps(simulation);
-  write_checkpoint(file_name(), simulation, {.start = {}, .frame_times = {0}});
+  write_checkpoint(file_name(), simulation, problem().formulas, {.start = {}, .frame_times = {0}});
   std::ifstream file(file_name(), std::ios::binary);
   file.seekg(recon::test::seal_size);
   std::ofstream(fs::path(folder) / "whole", std::ios::binary) << file.rdbuf();
@@ -92,7 +96,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                              std::string(reinterpret_cast<const char*>(data), size));
   try {
     recon::mpm::Simulation<2> simulation = fresh();
-    read_checkpoint(file_name(), simulation);
+    read_checkpoint(file_name(), simulation, problem().formulas);
     two_steps(simulation);
   } catch (const recon::FileError&) {
   } catch (const recon::mpm::Failure&) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "recon/mpm/read_problem.hpp"
+#include "recon/runs/read_problem.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "mpm/support.hpp"
-#include "recon/mpm/ledger.hpp"
+#include "recon/runs/ledger.hpp"
 
 namespace recon::mpm::test {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "mpm/support.hpp"
-#include "recon/mpm/forecast.hpp"
-#include "recon/mpm/ledger.hpp"
-#include "recon/mpm/run.hpp"
-#include "recon/mpm/stability.hpp"
+#include "recon/runs/forecast.hpp"
+#include "recon/runs/ledger.hpp"
+#include "recon/runs/run.hpp"
+#include "recon/studies/stability.hpp"
 
 namespace recon::mpm::test {
 namespace {

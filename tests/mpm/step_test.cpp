@@ -7,10 +7,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "mpm/support.hpp"
-#include "recon/mpm/ledger.hpp"
-#include "recon/mpm/run.hpp"
 #include "recon/mpm/simulation.hpp"
+#include "recon/runs/ledger.hpp"
+#include "recon/runs/run.hpp"
+#include "runs/support.hpp"
 
 namespace recon::mpm::test {
 namespace {

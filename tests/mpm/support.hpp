@@ -1,27 +1,16 @@
-// Problems that the tests of the driver share.
+// Problems that the tests of the method share.
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "recon/mpm/read_problem.hpp"
 #include "recon/mpm/simulation.hpp"
 #include "support/space.hpp"
 
 namespace recon::mpm::test {
-
-inline std::filesystem::path example(const std::string& name) {
-  return std::filesystem::path(RECON_SOURCE_DIR) / "examples/mpm" / name;
-}
-
-template <int D>
-ProblemFile<D> read_example(const std::string& name, std::vector<std::string> settings = {}) {
-  return std::get<ProblemFile<D>>(read_problem(example(name), settings));
-}
 
 using recon::test::AllDimensions;
 using recon::test::Dimension;

@@ -1,7 +1,7 @@
 // A problem: bodies of particles on a grid, what acts on them, and how it is to be solved.
 //
 // ```cpp
-//   recon::mpm::Problem<2> problem;  // or read_problem(), read_problem.hpp
+//   recon::mpm::Problem<2> problem;
 //   problem.grid = {{0, 0}, {1, 1}, 0.05};
 //   problem.materials = {recon::mpm::NeoHookean{recon::mpm::Lame::from(1000, 0.3)}};
 //   problem.densities = {1};
@@ -13,13 +13,9 @@
 
 #include <functional>
 #include <limits>
-#include <map>
-#include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "recon/mpm/manufactured.hpp"
 #include "recon/mpm/material.hpp"
 #include "recon/mpm/method.hpp"
 #include "recon/mpm/particles.hpp"
@@ -66,21 +62,12 @@ Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t)
 enum class StepRule { adaptive, p_wave, bar_wave, fixed };
 
 struct TimeOptions {
-  double end = std::numeric_limits<double>::infinity();  // run() needs a finite one
+  double end = std::numeric_limits<double>::infinity();
   StepRule rule = StepRule::adaptive;
   std::optional<double> courant;  // none: that of the method, Method::default_courant()
   double step = 0;                // of the rule `fixed`
 
   // Throws InvalidArgument unless all are positive, and courant and step finite.
-  void validate() const;
-};
-
-// Limits of memory and steps beyond which a run is refused before it begins (forecast.hpp).
-struct Limits {
-  double memory = 0;  // bytes; 0: what the machine has available
-  double steps = 1e9;
-
-  // Throws InvalidArgument unless memory >= 0 and steps > 0.
   void validate() const;
 };
 
@@ -92,7 +79,6 @@ struct TimeStep {
 
 template <int D>
 struct Problem {
-  std::string title;
   Grid<D> grid;
   Particles<D> particles;
   std::vector<Material> materials;  // one per body
@@ -103,24 +89,16 @@ struct Problem {
   std::function<void(const Particles<D>&, double t, int threads, std::vector<Vector<D>>& out)>
       body_force;
   std::vector<Load<D>> loads;
-  std::shared_ptr<const Manufactured<D>> exact;  // null: no solution is known
   Method method;
   TimeOptions time;
-  Limits limits;
   int threads = 0;  // 0: all
-  // The texts of the formulas that the functions and initial values were made from, by key;
-  // read_problem() fills it. A checkpoint belongs to problems with the same texts; functions
-  // without a text here cannot be compared.
-  std::map<std::string, std::string> formulas{};
 
   // What method and materials keep with each particle.
   Kept kept() const;
-  // Sets velocities, velocity gradients and the body force to those of `exact`.
-  void follow_exact();
   // Throws InvalidArgument for a problem that cannot be stepped: choices of the method that do not
   // go together, arrays of particles of wrong length, values that are not finite or have a wrong
   // sign, a particle outside of the grid, a boundary on no plane of the grid, a body without a
-  // material. This includes everything of that kind that a problem file can have wrong.
+  // material.
   void validate() const;
   // Checks particles that would take the place of those of the problem. What kept() counts may be
   // missing as a whole unless they are `complete`.
@@ -140,9 +118,5 @@ double courant_of(const Problem<D>& problem, const Particles<D>& particles, doub
 
 // Throws InvalidArgument unless the density is positive and finite.
 void validate_density(double density);
-
-// Throws InvalidArgument unless there is one body and it is neo-Hookean: exact
-// solutions are for these.
-const NeoHookean& material_of_exact(const std::vector<Material>& materials);
 
 }  // namespace recon::mpm

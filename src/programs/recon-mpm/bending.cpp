@@ -5,7 +5,7 @@
 
 #include "bending_runs.hpp"
 #include "programs/common/text.hpp"
-#include "recon/mpm/run.hpp"
+#include "recon/runs/run.hpp"
 
 namespace recon::program {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bending.hpp"
-#include "recon/mpm/ledger.hpp"
+#include "recon/runs/ledger.hpp"
 
 namespace recon::program {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "recon/mpm/convergence.hpp"
+#include "recon/studies/convergence.hpp"
 
 namespace recon::program {
 

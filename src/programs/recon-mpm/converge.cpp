@@ -1,5 +1,5 @@
 // recon-mpm converge PROBLEM: errors and orders of convergence.
-#include "recon/mpm/convergence.hpp"
+#include "recon/studies/convergence.hpp"
 
 #include <cmath>
 #include <cstdio>

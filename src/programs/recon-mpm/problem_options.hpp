@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "programs/common/checks.hpp"
-#include "recon/mpm/read_problem.hpp"
+#include "recon/runs/read_problem.hpp"
 
 namespace recon::program {
 

@@ -1,5 +1,5 @@
 // recon-mpm run PROBLEM: one run, with frames, a ledger and checkpoints.
-#include "recon/mpm/run.hpp"
+#include "recon/runs/run.hpp"
 
 #include <signal.h>
 
@@ -37,10 +37,11 @@ std::string momentum(const std::array<double, 3>& p, int dimension) {
 }
 
 template <int D>
-void print_summary(const mpm::Problem<D>& problem, const mpm::RunResult& result, double seconds,
+void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result, double seconds,
                    const std::string& folder) {
+  const mpm::Problem<D>& problem = file.problem;
   const mpm::Ledger &first = result.first, &last = result.last;
-  print_line("problem", problem.title.empty() ? "untitled" : problem.title);
+  print_line("problem", file.title.empty() ? "untitled" : file.title);
   print_line("method", problem.method.name + ", " + std::to_string(D) + "-D, " +
                            counted(problem.particles.size(), "particle") + ", cells of " +
                            number(problem.grid.h()));
@@ -226,7 +227,7 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
   } catch (const FileError& error) {
     throw ProgramError(no_output, error.what());
   }
-  print_summary(file.problem, result, progress.seconds(), run_options.folder.string());
+  print_summary(file, result, progress.seconds(), run_options.folder.string());
   if (result.stopped)
     throw ProgramError(static_cast<ExitCode>(128 + signals.seen()),
                        "stopped at time " + number(saved.time) + ", step " +

@@ -1,5 +1,5 @@
 // recon-mpm stability: the largest stable step of each method, and its dispersion.
-#include "recon/mpm/stability.hpp"
+#include "recon/studies/stability.hpp"
 
 #include <cstdio>
 #include <memory>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "recon/io/picture.hpp"
-#include "recon/mpm/read_problem.hpp"
+#include "recon/runs/read_problem.hpp"
 
 namespace recon::program {
 

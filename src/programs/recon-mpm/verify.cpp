@@ -12,10 +12,10 @@
 #include "programs/common/progress.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/atomic_file.hpp"
-#include "recon/mpm/errors.hpp"
-#include "recon/mpm/ledger.hpp"
-#include "recon/mpm/run.hpp"
 #include "recon/operators/reconstruct.hpp"
+#include "recon/runs/ledger.hpp"
+#include "recon/runs/run.hpp"
+#include "recon/studies/errors.hpp"
 #include "verification.hpp"
 
 namespace recon::program {
@@ -102,7 +102,7 @@ class Report {
     momenta.y_label = "momentum";
     for (const std::string& method : account.methods) {
       const std::string settings[] = {"method.name=" + method};
-      std::visit([&](const auto& file) { run(file.problem, method, energies, momenta); },
+      std::visit([&](const auto& file) { run(file, method, energies, momenta); },
                  load(account.problem, account.settings, settings));
       progress_.advance(1);
     }
@@ -126,11 +126,8 @@ class Report {
     for (const double part : snapshot.times)
       for (const std::string& method : snapshot.methods) {
         const std::string settings[] = {"method.name=" + method};
-        std::visit(
-            [&](const auto& file) {
-              add_panel(snapshot, file.problem, method, part, map, largest);
-            },
-            load(snapshot.problem, snapshot.settings, settings));
+        std::visit([&](const auto& file) { add_panel(snapshot, file, method, part, map, largest); },
+                   load(snapshot.problem, snapshot.settings, settings));
         progress_.advance(1);
       }
     text_ += "## " + snapshot.figure + "\n\n" + snapshot.statement + " Largest values: " + largest +
@@ -211,10 +208,11 @@ class Report {
   // The size of a quantity at the particles, spread over a grid that is three times as fine as
   // theirs by Shepard's mean; nothing where no particle is near.
   template <int D>
-  static void add_panel(const Snapshot& snapshot, const mpm::Problem<D>& problem,
+  static void add_panel(const Snapshot& snapshot, const mpm::ProblemFile<D>& file,
                         const std::string& method, double part, HeatMap& map,
                         std::string& largest) {
     if constexpr (D == 2) {
+      const mpm::Problem<D>& problem = file.problem;
       mpm::Simulation<D> simulation(problem);
       HeatMapPanel panel;
       panel.title = method + " at " + number(part * problem.time.end, 3);
@@ -231,7 +229,7 @@ class Report {
           size[p] = particles.v[p].norm();
           continue;
         }
-        size[p] = mpm::error_of(simulation, p, snapshot.quantity);
+        size[p] = mpm::error_of(simulation, *file.exact, p, snapshot.quantity);
       }
       const double h = problem.grid.h();
       const auto points = points_of(particles.x);
@@ -246,14 +244,14 @@ class Report {
                  number(*std::max_element(size.begin(), size.end()), 3);
       map.panels.push_back(std::move(panel));
     } else {
-      (void)snapshot, (void)problem, (void)method, (void)part, (void)map, (void)largest;
+      (void)snapshot, (void)file, (void)method, (void)part, (void)map, (void)largest;
     }
   }
 
   template <int D>
-  void run(const mpm::Problem<D>& problem, const std::string& method, LinePlot& energies,
+  void run(const mpm::ProblemFile<D>& file, const std::string& method, LinePlot& energies,
            LinePlot& momenta) {
-    mpm::Simulation<D> simulation(problem);
+    mpm::Simulation<D> simulation(file.problem);
     Curve kinetic{method + " kinetic", {}, {}, CurveStyle::line},
         strain = kinetic, total = kinetic,
         particles{method + " particles", {}, {}, CurveStyle::line}, nodes = particles;
@@ -265,7 +263,7 @@ class Report {
     double defect = 0, largest = 0;
     std::string failure;
     try {
-      mpm::run_until(simulation, problem.time.end, [&] {
+      mpm::run_until(simulation, file.problem.time.end, [&] {
         now = mpm::account(simulation, start);
         if (!start) start = now;
         double of_particles = 0, of_nodes = 0;
@@ -288,7 +286,7 @@ class Report {
     }
     // Of the exact motion where there is one (its body force turns the ring), else of the start.
     const double angular =
-        simulation.problem().exact ? exact_angular_momentum(simulation)[2] : start->angular[2];
+        file.exact ? exact_angular_momentum(simulation, *file.exact)[2] : start->angular[2];
     const auto [low, high] = std::minmax_element(total.y.begin(), total.y.end());
     const double first = total.y.front();
     text_ += "| " + method + " | " + number(defect / largest, 3) + " | " +

@@ -1,0 +1,173 @@
+#include "recon/runs/forecast.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "recon/local_solve/report.hpp"
+
+namespace recon::mpm {
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// Bytes of a node, and of what fits at nodes need.
+template <int D>
+double bytes_of_node(const Method& method) {
+  constexpr double vectors = 5, value = sizeof(double);
+  double bytes = value * (1 + vectors * D) + 1;
+  if (is_fit(method.velocity) || is_cell(method.quadrature)) {
+    // Moments and their right sides, results, reports.
+    const int degree = method.degree;
+    const double terms = D == 1   ? degree + 1.0
+                         : D == 2 ? (degree + 1) * (degree + 2) / 2.0
+                                  : (degree + 1) * (degree + 2) * (degree + 3) / 6.0;
+    const double moments = D == 1   ? 2 * degree + 1.0
+                           : D == 2 ? (2 * degree + 1) * (2 * degree + 2) / 2.0
+                                    : (2 * degree + 1) * (2 * degree + 2) * (2 * degree + 3) / 6.0;
+    const double columns = D + (is_cell(method.quadrature) ? 1 + D * (D + 1) / 2 : 0);
+    bytes += value * (moments + columns * (terms + 1)) + sizeof(FitReport) + sizeof(std::uint32_t);
+  }
+  if (method.mass == MassMatrix::consistent)  // the matrix, and its factor with some fill-in
+    bytes += std::pow(method.basis == Basis::linear ? 3 : 7, D) * 3 * (value + 4);
+  return bytes;
+}
+
+// Of a particle, while a step is made: its place in the order of slabs, and copies.
+template <int D>
+double bytes_in_step(const Method& method, const Kept& kept) {
+  constexpr double value = sizeof(double);
+  double bytes = 2 * sizeof(std::uint32_t);
+  const double points = method.velocity == VelocityMap::cpls ? 1 + (1 << D) : 1;
+  if (is_fit(method.velocity)) bytes += points * D * value * 4;  // copies in the order of cells
+  // Lists of neighbours, within two cells of each node: indices and weights of 4^D cells' worth of
+  // particles for each node, so of 4^D nodes for each particle.
+  if (method.velocity == VelocityMap::imls) bytes += 1.3 * std::pow(4, D) * (value + 4);
+  if (method.update == Update::runge_kutta)
+    bytes += bytes_of_particle<D>(kept) + 2 * value * (2 * D + 2 * D * D);
+  if (method.update == Update::xpic || method.update == Update::fmpm) bytes += value * D;
+  if (method.mass == MassMatrix::consistent)
+    bytes += std::pow(method.basis == Basis::linear ? 4 : 9, D) * 16;
+  return bytes;
+}
+
+// Has a cell of the grid no particle? Then there is a free surface.
+template <int D>
+bool has_empty_cells(const Grid<D>& grid, const Particles<D>& particles) {
+  std::size_t cells = 1;
+  for (int d = 0; d < D; ++d) cells *= static_cast<std::size_t>(grid.cells(d));
+  if (cells > particles.size()) return true;
+  std::vector<bool> filled(cells);
+  for (const Vector<D>& x : particles.x) {
+    std::size_t cell = 0;
+    for (int d = D - 1; d >= 0; --d)
+      cell = cell * static_cast<std::size_t>(grid.cells(d)) +
+             static_cast<std::size_t>(grid.cell(x[d], d));
+    filled[cell] = true;
+  }
+  return std::find(filled.begin(), filled.end(), false) != filled.end();
+}
+
+}  // namespace
+
+double available_memory() {
+  std::ifstream file("/proc/meminfo");
+  std::string name;
+  for (double kilobytes = 0; file >> name >> kilobytes; std::getline(file, name))
+    if (name == "MemAvailable:") return kilobytes * 1024;
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+template <int D>
+double bytes_of_particle(const Kept& kept) {
+  double bytes = 0;
+  Particles<D>().arrays(kept, [&](const ParticleArray& array, const auto& values) {
+    bytes += static_cast<double>(array.per_particle *
+                                 sizeof(typename std::decay_t<decltype(values)>::value_type));
+  });
+  return bytes;
+}
+
+namespace {
+
+template <int D>
+Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles, double time) {
+  Forecast found;
+  const Kept kept = problem.kept();
+  found.particles = particles.size();
+  found.nodes = problem.grid.size();
+  found.available_memory = available_memory();
+  const double forces = problem.body_force ? D * sizeof(double) : 0;
+  found.memory =
+      static_cast<double>(found.particles) *
+          (2 * bytes_of_particle<D>(kept) + bytes_in_step<D>(problem.method, kept) + forces) +
+      static_cast<double>(found.nodes) * bytes_of_node<D>(problem.method);
+  found.step = choose_step(problem, particles);
+  if (std::isfinite(problem.time.end))
+    found.steps = std::ceil((problem.time.end - time) / found.step.dt * (1 - 1e-12));
+  const double courant = courant_of(problem, particles, found.step.dt);
+  const double stable = problem.method.stable_courant(D);
+  if (courant > stable)
+    found.warnings.push_back(
+        "the first step, " + number(found.step.dt) + ", is " + number(courant) +
+        " h / (c_p + |v|); the method " + problem.method.name + " is known to be stable up to " +
+        number(stable) + " in " + std::to_string(D) + "-D: it may break, or gain energy");
+  const std::string caveat = problem.method.caveat();
+  if (!caveat.empty() &&
+      (is_element(problem.method.basis) || has_empty_cells(problem.grid, particles)))
+    found.warnings.push_back(caveat);
+  return found;
+}
+
+}  // namespace
+
+template <int D>
+Forecast forecast(const Problem<D>& problem) {
+  return forecast_from(problem, problem.particles, 0);
+}
+template <int D>
+Forecast forecast(const Problem<D>& problem, const State<D>& state) {
+  return forecast_from(problem, state.particles, state.time);
+}
+
+void Limits::validate() const {
+  recon::detail::require(memory >= 0, "limit of memory", memory,
+                         "must be bytes, or 0 for what the machine has");
+  recon::detail::require(steps > 0, "limit of steps", steps, "must be positive");
+}
+
+void require_possible(const Forecast& forecast, const Limits& limits, double time) {
+  const double memory = limits.memory > 0 ? limits.memory : forecast.available_memory;
+  const std::string size = std::to_string(forecast.particles) + " particles and " +
+                           std::to_string(forecast.nodes) + " nodes";
+  if (forecast.memory > memory)
+    recon::detail::throw_invalid("memory", number(forecast.memory / 1e9) + " GB",
+                                 "is more than " + number(memory / 1e9) + " GB, which " +
+                                     (limits.memory > 0 ? "is the limit" : "the machine has left") +
+                                     ": " + size);
+  if (forecast.steps > limits.steps)
+    recon::detail::throw_invalid(
+        "steps", number(forecast.steps),
+        "of " + number(forecast.step.dt) + " are more than the limit of " + number(limits.steps));
+  if (!(time + forecast.step.dt > time))
+    recon::detail::throw_invalid("time step", number(forecast.step.dt),
+                                 "is too short to move the clock at " + number(time));
+}
+
+#define RECON_INSTANTIATE(D)                         \
+  template double bytes_of_particle<D>(const Kept&); \
+  template Forecast forecast(const Problem<D>&);     \
+  template Forecast forecast(const Problem<D>&, const State<D>&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
+
+}  // namespace recon::mpm

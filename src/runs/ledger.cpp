@@ -1,0 +1,155 @@
+#include "recon/runs/ledger.hpp"
+
+#include <charconv>
+
+#include "mpm/modes.hpp"
+#include "recon/core/parallel.hpp"
+#include "runs/angular.hpp"
+
+namespace recon::mpm {
+namespace {
+
+constexpr std::size_t particles_per_block = 4096;
+
+template <int D>
+void add(std::array<double, 3>& sum, const Vector<D>& value) {
+  for (int d = 0; d < D; ++d) sum[d] += value[d];
+}
+
+// V sigma : epsilon / 2 with epsilon the strain that goes with sigma by Hooke's law in plane
+// strain.
+template <int D>
+double linear_strain_energy(const Lame& elastic, const Matrix<D>& stress, double volume) {
+  const double trace = stress.trace();
+  const double compressed = elastic.lambda / (D * elastic.lambda + 2 * elastic.mu) * trace;
+  return volume * (stress.squaredNorm() - compressed * trace) / (4 * elastic.mu);
+}
+
+void add(std::array<double, 3>& sum, const std::array<double, 3>& value) {
+  for (int d = 0; d < 3; ++d) sum[d] += value[d];
+}
+
+}  // namespace
+
+template <int D>
+Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start) {
+  recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
+                         "needs a map() before");
+  const Problem<D>& problem = simulation.problem();
+  const Particles<D>& particles = simulation.particles();
+  const Nodes<D>& nodes = simulation.nodes();
+  const double half = simulation.velocity_lag();
+
+  const VelocityMap map = problem.method.velocity;
+  const auto modes = static_cast<std::size_t>(mode_count(map, D));
+
+  // Sums of blocks, added in their order.
+  std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
+  with_shape(problem.method, [&](auto shape_of) {
+    parallel_blocks(
+        particles.size(), particles_per_block, problem.threads,
+        [&](std::size_t begin, std::size_t end) {
+          Ledger& sum = blocks[begin / particles_per_block];
+          typename decltype(shape_of)::template Nodes<D> shape;
+          ParticleModes<D, decltype(shape_of)> of;
+          for (std::size_t p = begin; p < end; ++p) {
+            shape_of.shape(problem.grid, particles, p, shape);
+            const double m = particles.mass[p];
+            const Vector<D> momentum = m * particles.v[p];
+            const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration, trusted);
+            sum.mass += m;
+            add<D>(sum.momentum, momentum);
+            add_angular<D>(sum.angular, particles.x[p], momentum);
+            if (modes > 0) {
+              of.fill(problem.grid, shape_of, particles.x[p], shape, mode_set(map));
+              const Matrix<D> moment = of.moment(m, &particles.modes[p * modes]);
+              for (int d = 0; d < D; ++d)
+                add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
+            }
+            sum.kinetic += m * now.squaredNorm() / 2;
+            sum.strain += particles.energy[p];
+            sum.linear_strain += linear_strain_energy(lame(problem.materials[particles.body[p]]),
+                                                      particles.stress[p], particles.volume(p));
+          }
+        });
+  });
+  Ledger ledger;
+  ledger.step = simulation.steps();
+  ledger.time = simulation.time();
+  for (const Ledger& block : blocks) {
+    ledger.mass += block.mass;
+    add(ledger.momentum, block.momentum);
+    add(ledger.angular, block.angular);
+    ledger.kinetic += block.kinetic;
+    ledger.strain += block.strain;
+    ledger.linear_strain += block.linear_strain;
+  }
+  // M v of a velocity v.
+  const auto momenta = [&](const auto& velocity) {
+    std::vector<Vector<D>> all(nodes.mass.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = nodes.mass[i] * velocity(i);
+    if (nodes.mass_matrix.size() == 0) return all;
+    Eigen::VectorXd component(nodes.mass_matrix.cols());
+    for (int d = 0; d < D; ++d) {
+      for (Eigen::Index i = 0; i < component.size(); ++i)
+        component[i] = velocity(static_cast<std::size_t>(i))[d];
+      const Eigen::VectorXd product = nodes.mass_matrix * component;
+      for (Eigen::Index i = 0; i < component.size(); ++i)
+        all[static_cast<std::size_t>(i)][d] = product[i];
+    }
+    return all;
+  };
+  const auto mapped = [&](std::size_t i) -> Vector<D> { return nodes.mapped[i]; };
+  const auto now = [&](std::size_t i) -> Vector<D> {
+    return nodes.velocity[i] + half * nodes.acceleration[i];
+  };
+  const std::vector<Vector<D>> mapped_momentum = momenta(mapped), momentum_now = momenta(now);
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
+    ledger.node_mass += nodes.mass[i];
+    add<D>(ledger.node_momentum, mapped_momentum[i]);
+    add_angular<D>(ledger.node_angular, problem.grid.position(i), mapped_momentum[i]);
+    ledger.node_kinetic += momentum_now[i].dot(now(i)) / 2;
+  }
+  ledger.negative_nodes = nodes.negative;
+  ledger.interpolation_error = ledger.node_kinetic - ledger.kinetic;
+  ledger.algorithmic_error = -(ledger.node_kinetic + ledger.strain);
+  const Ledger& from = start ? *start : ledger;
+  ledger.interpolation_error -= from.node_kinetic - from.kinetic;
+  ledger.algorithmic_error += from.node_kinetic + from.strain;
+  return ledger;
+}
+
+std::string ledger_header() {
+  return "step,time,mass,node_mass,momentum_x,momentum_y,momentum_z,node_momentum_x,node_momentum_"
+         "y,"
+         "node_momentum_z,angular_x,angular_y,angular_z,node_angular_x,node_angular_y,node_angular_"
+         "z,"
+         "kinetic,node_kinetic,strain,total,interpolation_error,algorithmic_error,linear_strain,"
+         "negative_nodes";
+}
+
+std::string ledger_row(const Ledger& ledger) {
+  std::string row = std::to_string(ledger.step);
+  const auto put = [&](double value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value);
+    row.append(",").append(text, end.ptr);
+  };
+  put(ledger.time);
+  put(ledger.mass);
+  put(ledger.node_mass);
+  for (const auto* each :
+       {&ledger.momentum, &ledger.node_momentum, &ledger.angular, &ledger.node_angular})
+    for (const double value : *each) put(value);
+  for (const double value : {ledger.kinetic, ledger.node_kinetic, ledger.strain, ledger.total(),
+                             ledger.interpolation_error, ledger.algorithmic_error,
+                             ledger.linear_strain, static_cast<double>(ledger.negative_nodes)})
+    put(value);
+  return row;
+}
+
+template Ledger account(const Simulation<1>&, const std::optional<Ledger>&);
+template Ledger account(const Simulation<2>&, const std::optional<Ledger>&);
+template Ledger account(const Simulation<3>&, const std::optional<Ledger>&);
+
+}  // namespace recon::mpm

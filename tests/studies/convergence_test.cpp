@@ -1,0 +1,122 @@
+// Orders of convergence at large deformation: what the papers claim, on short studies.
+#include "recon/studies/convergence.hpp"
+
+#include <cmath>
+
+#include "runs/support.hpp"
+
+namespace recon::mpm::test {
+namespace {
+
+std::vector<ConvergenceRow> study(const std::string& file, const ConvergenceStudy& study) {
+  return converge(
+      [&](std::span<const std::string> settings) { return read_problem(example(file), settings); },
+      study);
+}
+
+// Of the two finest grids, where errors are nearest to their law.
+double finest_order(const std::vector<ConvergenceRow>& rows, const std::string& method,
+                    const std::string& field, const std::string& norm, double time) {
+  double order = std::nan("");
+  for (const ConvergenceRow& row : rows)
+    if (row.method == method && row.field == field && row.norm == norm &&
+        std::abs(row.time - time) < 1e-9 * time)
+      order = row.order;  // cells ascend
+  return order;
+}
+
+// Second order in displacement and velocity for the improved methods, where the original one does
+// not converge (Gong 2015, figures 4.8, 5.6, 6.4; Tran et al. 2019, figures 10, 12).
+void expect_orders(const std::string& file, std::vector<int> cells,
+                   std::vector<double> times = {0.375, 1}) {
+  const ConvergenceStudy asked{{"mpm", "impm", "improved_cpdi", "cpls"}, cells, times};
+  const auto rows = study(file, asked);
+  const double end = rows.back().time / times.back();
+  for (const double part : asked.times)
+    for (const char* norm : {"l2", "rms"})
+      for (const char* field : {"displacement", "velocity"}) {
+        for (const char* method : {"impm", "improved_cpdi", "cpls"})
+          EXPECT_GE(finest_order(rows, method, field, norm, part * end), 1.75)
+              << file << " " << method << " " << field << " " << norm << " at " << part << " T";
+        EXPECT_FALSE(finest_order(rows, "mpm", field, norm, part * end) > 0.8)
+            << file << " " << field << " " << norm << " at " << part << " T";
+      }
+}
+// On finer grids, and in 3-D; the ring and the vortex (Tran et al. 2019, figures 24-28, 43-45).
+TEST(SlowConvergence, LargeDeformation) {
+  expect_orders("vibration_1d.toml", {128, 256});
+  expect_orders("vibration_2d.toml", {32, 64});
+  expect_orders("vibration_2d.toml", {64, 128});
+  const auto cube = study("vibration_3d.toml", {{"impm", "cpls"}, {12, 24}, {0.375}});
+  for (const char* method : {"impm", "cpls"})
+    for (const char* field : {"displacement", "velocity"})
+      EXPECT_GE(finest_order(cube, method, field, "l2", 0.375 * 0.02), 1.75)
+          << method << " " << field;
+}
+TEST(SlowConvergence, RingAndVortex) {
+  const auto ring = study("ring.toml", {{"cpls"}, {20, 40, 80}, {1}});
+  const auto vortex = study("vortex.toml", {{"cpls"}, {16, 32, 64}, {1}});
+  for (const char* field : {"displacement", "velocity"}) {
+    EXPECT_GE(finest_order(ring, "cpls", field, "rms", 0.02), 1.75) << field;
+    EXPECT_GE(finest_order(vortex, "cpls", field, "rms", 1), 1.75) << field;
+  }
+}
+
+TEST(Convergence, LargeDeformationIn1D) {
+  expect_orders("vibration_1d.toml", {64, 128});
+}
+// At T the velocity of impm is near its order on finer grids only: see the slow test.
+TEST(Convergence, LargeDeformationIn2D) {
+  expect_orders("vibration_2d.toml", {16, 32}, {0.375});
+}
+
+// All methods are of second order in displacement where nothing crosses a cell (Gong 2015,
+// figure 4.7). q9 before T, when errors cancel on its four elements of 8 cells.
+TEST(Convergence, SmallDeformation) {
+  ConvergenceStudy asked;
+  for (const Method& method : methods())
+    if (method.basis == Basis::q8)
+      EXPECT_THROW(method.validate(1), InvalidArgument) << method.name;
+    else
+      asked.methods.push_back(method.name);
+  asked.cells = {8, 16, 32};
+  asked.times = {0.375, 1};
+  const auto rows = converge(
+      [](std::span<const std::string> settings) {
+        std::vector<std::string> all(settings.begin(), settings.end());
+        all.push_back("G=0.0001");
+        return read_problem(example("vibration_1d.toml"), all);
+      },
+      asked);
+  for (const std::string& method : asked.methods)
+    EXPECT_GE(slope(rows, method, "displacement", "l2", method == "q9" ? 0.0075 : 0.02), 1.8)
+        << method;
+}
+
+// The bookkeeping: orders follow from errors, rows are complete, failures are rows with a reason.
+TEST(Convergence, RowsAndFailures) {
+  const auto rows = study("vibration_1d.toml", {{"cpls", "mpm"}, {8, 16}, {0.5, 1}});
+  EXPECT_EQ(rows.size(), 2u * 2 * 2 * 4 * 2);
+  for (std::size_t i = 0; i + 1 < rows.size(); i += 2) {
+    EXPECT_EQ(rows[i].cells, 8);
+    EXPECT_EQ(rows[i + 1].cells, 16);
+    EXPECT_EQ(rows[i].field, rows[i + 1].field);
+    EXPECT_TRUE(std::isnan(rows[i].order));
+    EXPECT_NEAR(rows[i + 1].order, std::log2(rows[i].error / rows[i + 1].error), 1e-12);
+  }
+  const auto failed = converge(
+      [](std::span<const std::string> settings) {
+        std::vector<std::string> all(settings.begin(), settings.end());
+        all.insert(all.end(), {"courant=1.6", "G=0.1"});
+        return read_problem(example("vibration_1d.toml"), all);
+      },
+      {{"mpm"}, {64}, {0.01, 1}});
+  for (const ConvergenceRow& row : failed) {
+    if (row.time < 0.001) continue;
+    EXPECT_TRUE(std::isnan(row.error));
+    EXPECT_NE(row.failure.find("particle"), std::string::npos) << row.failure;
+  }
+}
+
+}  // namespace
+}  // namespace recon::mpm::test
