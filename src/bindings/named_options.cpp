@@ -100,15 +100,18 @@ std::size_t whole_number(const char* argument, double number) {
 }
 
 Weight weight_of(std::string_view name) {
-  std::vector<std::string> valid;
+  std::vector<std::string> valid, shorter;
   for (const Weight weight : all_weights()) {
     const std::string_view text = name_of(weight);
     const bool spline = natural_support(weight) > 0;
     const std::string full = spline ? std::string(text) + "_b_spline" : std::string(text);
     if (name == text || name == full) return weight;
     valid.push_back(full);
+    shorter.emplace_back(text);
   }
-  refuse_name("weight", name, valid);
+  const bool is_shorter =
+      nearest_names(name, valid).empty() && !nearest_names(name, shorter).empty();
+  refuse_name("weight", name, is_shorter ? shorter : valid);
 }
 
 WeightForm form_of(std::string_view name) {

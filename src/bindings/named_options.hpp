@@ -27,7 +27,8 @@ class NamedOptions {
   Options options;
 
   // Throws InvalidArgument for a name that is no option (with the nearest valid ones), for one that
-  // wants the other kind of value, an unknown enumerator, and a number that must be whole and is not.
+  // wants the other kind of value, an unknown enumerator, and a number that must be whole and is
+  // not.
   void set(std::string_view name, double number);
   void set(std::string_view name, std::string_view text);
 

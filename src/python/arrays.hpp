@@ -2,8 +2,8 @@
 //
 // Arrays of float64 and float32 are read where they lie, whatever their strides. Others (integers,
 // other byte orders, columns of mixed tables) are converted to float64, which is a copy; so is what
-// has another precision than the object that it is for. Masked points are left out: `Rows` remembers
-// which rows of the caller's arrays are particles.
+// has another precision than the object that it is for. Masked points are left out: `Rows`
+// remembers which rows of the caller's arrays are particles.
 //
 // Everything here needs the interpreter's lock. What is made here keeps the arrays that it views.
 #pragma once
@@ -37,8 +37,8 @@ struct Rows {
   std::size_t particles() const { return shown ? shown->size() : size; }
 };
 
-// Calls what speaks of particles by their numbers. Where rows are hidden, what it throws says that these
-// are not the caller's.
+// Calls what speaks of particles by their numbers. Where rows are hidden, what it throws says that
+// these are not the caller's.
 template <class Call>
 auto with_rows(const Rows& rows, Call&& call) {
   if (!rows.shown) return call();
@@ -69,8 +69,8 @@ struct Points {
 };
 
 // Points from an array of shape (n,) or (n, D), a tuple with an array for each axis, or a
-// ParticleTable, in this precision or, without one, in their own. `name` is what messages call them.
-// Throws InvalidArgument for other shapes and for what holds no numbers.
+// ParticleTable, in this precision or, without one, in their own. `name` is what messages call
+// them. Throws InvalidArgument for other shapes and for what holds no numbers.
 Points points_of(py::handle object, const char* name, std::optional<Precision> precision = {});
 
 // As above for targets, which cannot be masked.

@@ -2,12 +2,14 @@
 #include "python/objects.hpp"
 #include "recon/core/progress.hpp"
 #include "recon/io/error.hpp"
+#include "recon/mpm/nodes.hpp"
 
 namespace recon::python {
 namespace {
 
 // Kept for the life of the interpreter.
-PyObject *invalid_argument = nullptr, *cancelled = nullptr, *file_error = nullptr;
+PyObject *invalid_argument = nullptr, *cancelled = nullptr, *file_error = nullptr,
+         *failure = nullptr;
 
 PyObject* new_exception(py::module_& m, const char* name, const char* text, py::handle base) {
   PyObject* type =
@@ -33,6 +35,11 @@ void define_errors(py::module_& m) {
       "Trouble with a file: str() names file, line and rule; the attributes are path and "
       "line (0 where no line is to blame).",
       PyExc_OSError);
+  failure = new_exception(
+      m, "Failure",
+      "Raised where a simulation cannot go on: str() names particle or node; the attributes are "
+      "step and number.",
+      PyExc_RuntimeError);
   py::register_exception_translator([](std::exception_ptr error) {
     try {
       if (error) std::rethrow_exception(error);
@@ -49,6 +56,11 @@ void define_errors(py::module_& m) {
       made.attr("path") = e.path().string();
       made.attr("line") = e.line();
       PyErr_SetObject(file_error, made.ptr());
+    } catch (const mpm::Failure& e) {
+      py::object made = py::handle(failure)(e.what());
+      made.attr("step") = e.step();
+      made.attr("number") = e.number();
+      PyErr_SetObject(failure, made.ptr());
     }
   });
 }

@@ -5,8 +5,8 @@
 namespace recon::python {
 namespace {
 
-// The numbers of a column-major matrix with a row for each node, in the shape of the grid: (nx, ny, nz,
-// columns) in Fortran's order. The array owns the matrix.
+// The numbers of a column-major matrix with a row for each node, in the shape of the grid: (nx, ny,
+// nz, columns) in Fortran's order. The array owns the matrix.
 template <class Matrix>
 py::array on_nodes(Matrix matrix, const StructuredGrid<double>& grid) {
   using Scalar = typename Matrix::Scalar;

@@ -17,4 +17,5 @@ PYBIND11_MODULE(_recon, m) {
   python::define_reconstruction(m);
   python::define_grid(m);
   python::define_io(m);
+  python::define_simulation(m);
 }

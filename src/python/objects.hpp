@@ -1,9 +1,9 @@
 // The objects that compute: Sources, reconstructions, operators, reports.
 //
-// They are of float or of double, as their points are. All of them may be used by several threads at
-// once, and release the interpreter's lock while they compute. What changes them (an update) needs
-// them alone: where another thread uses them, either call throws InUse instead of waiting, so that
-// nothing can block for ever.
+// They are of float or of double, as their points are. All of them may be used by several threads
+// at once, and release the interpreter's lock while they compute. What changes them (an update)
+// needs them alone: where another thread uses them, either call throws InUse instead of waiting, so
+// that nothing can block for ever.
 #pragma once
 
 #include <memory>
@@ -97,6 +97,7 @@ void define_operators(py::module_& module);
 void define_reports(py::module_& module);
 void define_grid(py::module_& module);
 void define_io(py::module_& module);
+void define_simulation(py::module_& module);
 void define_errors(py::module_& module);
 
 }  // namespace recon::python

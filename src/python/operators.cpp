@@ -251,8 +251,8 @@ py::object to_scipy(const PyOperator& op) {
   return std::visit(
       [&](const auto& map) -> py::object {
         if constexpr (is_vector<decltype(map)>) {
-          // Rows of the divergence, curl and strain rate are sums of those of the gradient: what the
-          // operator makes of fields that are 1 in one component of one particle.
+          // Rows of the divergence, curl and strain rate are sums of those of the gradient: what
+          // the operator makes of fields that are 1 in one component of one particle.
           throw_invalid("operator", "divergence, curl or strain rate",
                         "has no matrix of its own: that of the gradient has");
         } else {

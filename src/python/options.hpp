@@ -43,8 +43,8 @@ struct Choice {
   std::vector<py::object> kept;               // arrays that the options view
 };
 
-// Options from keywords. None stands for what is not said. Throws InvalidArgument for a name that is
-// no option, with the nearest that are.
+// Options from keywords. None stands for what is not said. Throws InvalidArgument for a name that
+// is no option, with the nearest that are.
 Choice choice_of(const py::dict& keywords, const Rows& rows);
 // The same for Sources: domain, stretch, particle_weights, threads.
 struct SourcesChoice {
@@ -64,8 +64,8 @@ Enumerator enumerator(py::handle object, const char* argument,
   return named(enumerator_name(object, argument));
 }
 
-// The Progress of a call: looks for signals (KeyboardInterrupt) and calls the function, unless it is
-// None. What either raises passes through the call.
+// The Progress of a call: looks for signals (KeyboardInterrupt) and calls the function, unless it
+// is None. What either raises passes through the call.
 Progress progress_of(py::object callback);
 
 // A function object whose Python part is forgotten with the interpreter's lock, wherever the last

@@ -11,9 +11,10 @@
 
 Names are those of the C++ library. Lengths and data are in any consistent units. Wrong input raises
 InvalidArgument (a ValueError) that names the argument, the value and the rule; numerical outcomes stand in
-`fit.report`. Long calls release the interpreter's lock, and all objects can be used by several threads.
+`fit.report`. `recon.mpm` runs the material point method, `recon.plot` draws (with matplotlib). Long calls release the interpreter's lock, and all objects can be used by several threads.
 """
 
+from . import mpm
 from ._recon import (
     Cancelled,
     FileError,
@@ -107,6 +108,7 @@ __all__ = [
     "kernel_operator",
     "kernel_sum",
     "list_frames",
+    "mpm",
     "on_grid",
     "read",
     "read_frames",
@@ -116,6 +118,6 @@ __all__ = [
 
 # Messages and pickles call things by the names that users know.
 for _name in __all__:
-    if getattr(globals()[_name], "__module__", "").startswith("recon."):
+    if isinstance(globals()[_name], type) and getattr(globals()[_name], "__module__", "").startswith("recon."):
         globals()[_name].__module__ = "recon"
 del _name
