@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bindings/named_options.hpp"
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 #include "recon/runs/ledger.hpp"
 #include "recon/runs/read_problem.hpp"
 #include "recon/runs/run.hpp"
