@@ -16,7 +16,7 @@ namespace recon_bench {
 namespace {
 
 constexpr double peak_goal = 0.3, growth_goal = 1.2, memory_goal = 0.1;
-constexpr double float_goal = 1.7, threads_goal = 1.8;
+constexpr double float_goal = 1.7, threads_goal = 1.8, density_goal = 1.1;
 
 // The linear field at every node that reaches degree 1, in units of rounding times condition.
 template <class Scalar>
@@ -187,6 +187,35 @@ void time_growth(Lab& lab, const GridSetting& setting, GridTable& tables) {
                       growth_goal);
 }
 
+// As many particles in fewer cells: 1 to 125 in each.
+void time_density(Lab& lab, const GridSetting& setting, Table& table) {
+  const int threads = lab.context.threads;
+  const std::size_t across = lab.choose(96, 96, 12);  // particles along an axis
+  std::map<std::size_t, double> ns;
+  for (const std::size_t per_axis : {2, 1, 3, 4, 5}) {
+    const std::size_t per_cell = per_axis * per_axis * per_axis;
+    progress("grid, " + std::string(setting.name) + ", " + std::to_string(per_cell) + " per cell");
+    const GridWorkload<double> workload(setting, across / per_axis, &GridWorkload<double>::linear,
+                                        per_axis);
+    std::optional<recon::GridReconstruction> fit = workload.reconstruct(threads);
+    if (!lab.checks.within(
+            worst_error(workload, setting.components, *fit),
+            std::string(setting.name) + ", " + std::to_string(per_cell) + " per cell"))
+      return;
+    const std::vector<Contestant> all{
+        {"reconstruct", [&] { fit = workload.reconstruct(threads); }, [&] { fit.reset(); }}};
+    const auto times = lab.stopwatch.run(
+        "grid/" + std::string(setting.name) + "/" + std::to_string(per_cell) + " per cell", all,
+        0.5, 3);
+    ns[per_axis] = times[0].best() / static_cast<double>(workload.particles()) * 1e9;
+    table.add({setting.name, std::to_string(per_cell), std::to_string(workload.particles()),
+               number(ns[per_axis]), number(ns[per_axis] / ns[2])});
+  }
+  lab.summary.at_most(std::string("grid 3-D, ") + setting.name,
+                      "grid: ns per particle, 64 per cell against 8", ns[4], ns[2], ns[4] / ns[2],
+                      density_goal);
+}
+
 }  // namespace
 
 Section run_grid(Lab& lab) {
@@ -208,7 +237,11 @@ Section run_grid(Lab& lab) {
   GridTable tables;
   for (const GridSetting& setting : grid_settings) time_setting(lab, setting, tables);
   for (const GridSetting& setting : grid_settings) time_growth(lab, setting, tables);
-  section.tables = {tables.times};
+  Table density{
+      "grid_density",
+      {"workload", "particles per cell", "particles", "ns per particle", "against 8 per cell"}};
+  for (const GridSetting& setting : grid_settings) time_density(lab, setting, density);
+  section.tables = {tables.times, density};
   return section;
 }
 

@@ -1,4 +1,4 @@
-// The grid workload: jittered particles, 8 in each cell of the unit cube; a velocity to the nodes
+// The grid workload: jittered particles, 8 (or another cube) in each cell of the unit cube; a velocity to the nodes
 // with cubic, or a stress and a density to the cell centres with quadratic B-splines (tensor
 // products), degree 1.
 #pragma once
@@ -33,10 +33,11 @@ class GridWorkload {
   using Point = std::array<Scalar, 3>;
   using Field = double (*)(const Point&, int component);
 
-  // 8 cells^3 particles that carry a field.
-  GridWorkload(const GridSetting& setting, std::size_t cells, Field field = &linear)
+  // (per_axis cells)^3 particles that carry a field.
+  GridWorkload(const GridSetting& setting, std::size_t cells, Field field = &linear,
+               std::size_t per_axis = 2)
       : setting_(setting),
-        points_(recon::jittered_points<Scalar, 3>(2 * cells, jitter, seed)),
+        points_(recon::jittered_points<Scalar, 3>(per_axis * cells, jitter, seed)),
         values_(points_.size() * static_cast<std::size_t>(setting.components)) {
     const Scalar spacing = 1 / static_cast<Scalar>(cells);
     grid_ = {3, {0, 0, 0}, {spacing, spacing, spacing}, {cells + 1, cells + 1, cells + 1}};

@@ -1,6 +1,7 @@
 #include "core/counting_sort.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "recon/core/parallel.hpp"
 
@@ -11,8 +12,10 @@ void CountingSort::sort(std::size_t key_count, int threads) {
   constexpr std::size_t least_chunk = 16384, most_chunks = 256;
   const std::size_t n = key_.size();
   first_.resize(key_count + 1);
-  order_.resize(n);
-  if (key_count == 0) return;
+  if (key_count == 0) {
+    order_.resize(n);
+    return;
+  }
 
   const std::size_t wanted = std::clamp<std::size_t>(n / numbers_per_bucket, 1, most_buckets);
   int shift = 0;
@@ -47,6 +50,7 @@ void CountingSort::sort(std::size_t key_count, int threads) {
       rough_[place[key_[i] >> shift]++] = {key_[i], static_cast<std::uint32_t>(i)};
   });
 
+  std::swap(order_, key_);  // the keys have gone along with the numbers
   recon::parallel_blocks(buckets, 1, threads, [&](std::size_t bucket, std::size_t) {
     const std::size_t first_key = bucket << shift;
     const std::size_t end_key = std::min(key_count, (bucket + 1) << shift);

@@ -24,7 +24,7 @@ class CountingSort {
   // Every key must be smaller than key_count, which must be smaller than 2^32.
   void sort(std::size_t key_count, int threads);
 
-  // Gives back the memory of the sorting itself: 12 bytes for each number.
+  // Gives back the memory of the sorting itself: 8 bytes for each number, 12 after several sorts.
   void forget_scratch() {
     key_ = {};
     rough_ = {};

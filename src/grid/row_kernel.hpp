@@ -56,7 +56,7 @@ struct NodeRow {
   static constexpr int head = 4;
 };
 
-constexpr int slots_per_batch = 32;
+constexpr int slots_per_batch = 16;
 
 template <class Scalar>
 struct RowKernel {

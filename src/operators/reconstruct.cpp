@@ -173,6 +173,22 @@ CsrOperator<Scalar> BasicReconstruction<Scalar>::hessian() const {
 }
 
 template <class Scalar>
+std::vector<AnyOperator<Scalar>> BasicReconstruction<Scalar>::operators(
+    std::span<const AnyFunctional> functionals) const {
+  std::vector<detail::ComponentFunctional> bases;
+  for (const AnyFunctional& any : functionals)
+    bases.push_back(
+        std::visit([](const auto& functional) { return detail::base_of(functional); }, any));
+  std::vector<CsrOperator<Scalar>> made = operators_of(bases);
+  std::vector<AnyOperator<Scalar>> all;
+  for (std::size_t i = 0; i < functionals.size(); ++i)
+    std::visit(
+        [&](const auto& functional) { all.emplace_back(finished(std::move(made[i]), functional)); },
+        functionals[i]);
+  return all;
+}
+
+template <class Scalar>
 const FitReports& BasicReconstruction<Scalar>::report() const {
   problem_->pattern()->require_current();
   return problem_->reports();
@@ -188,12 +204,16 @@ NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
   out.support_factor = list.support_factor;
   out.indices.reserve(list.indices.size());
   out.shifts.reserve(list.shifts.size());
+  out.pair_support.reserve(list.pair_support.size());
   for (std::size_t t = 0; t < list.targets(); ++t) {
     const std::size_t row = pattern.row(t);
     const std::int64_t begin = list.offsets[row], end = list.offsets[row + 1];
     out.indices.insert(out.indices.end(), list.indices.begin() + begin, list.indices.begin() + end);
     if (!list.shifts.empty())
       out.shifts.insert(out.shifts.end(), list.shifts.begin() + begin, list.shifts.begin() + end);
+    if (!list.pair_support.empty())
+      out.pair_support.insert(out.pair_support.end(), list.pair_support.begin() + begin,
+                              list.pair_support.begin() + end);
     out.offsets.push_back(static_cast<std::int64_t>(out.indices.size()));
     out.support.push_back(list.support[row]);
   }

@@ -203,6 +203,39 @@ TEST(FunctionalOperators, WithoutSupportHaveTheFillValue) {
   EXPECT_EQ(div(1, 0), 7);
 }
 
+TEST(FunctionalOperators, ChosenWhileTheProgramRunsAreTheSame) {
+  const auto points = random_points<double, 2>(400, 1), targets = random_points<double, 2>(700, 2);
+  const Quadratic<2> u;
+  const MatrixXd field = values_of<2>(u, points);
+  const auto fit = reconstruct(points_of(points), points_of(targets), {.degree = 2});
+  const auto [lap, curl, mean] = fit.operators(F::laplacian, F::curl, F::cell_average({0.1, 0.1}));
+  const std::vector<AnyFunctional> chosen{F::laplacian, F::curl, F::cell_average({0.1, 0.1})};
+  const auto made = fit.operators(chosen);
+  ASSERT_EQ(made.size(), 3U);
+  EXPECT_EQ(std::get<CsrOperator<double>>(made[0]).apply(field_of(field)),
+            lap.apply(field_of(field)));
+  EXPECT_EQ(std::get<VectorOperator<double>>(made[1]).apply(field_of(field)),
+            curl.apply(field_of(field)));
+  EXPECT_EQ(std::get<CsrOperator<double>>(made[2]).apply(field_of(field)),
+            mean.apply(field_of(field)));
+  EXPECT_TRUE(fit.operators(std::span<const AnyFunctional>()).empty());
+}
+
+// Rows stand in an order of their own where there are many targets: the pattern says which is whose.
+TEST(FunctionalOperators, NumbersAreThoseOfTheRows) {
+  const auto points = random_points<double, 2>(400, 1), targets = random_points<double, 2>(700, 2);
+  const auto gradient = reconstruct(points_of(points), points_of(targets)).gradient();
+  const SparsityPattern<double>& pattern = gradient.pattern();
+  for (std::size_t row = 0; row < gradient.rows(); ++row) {
+    const auto expected = gradient.row(pattern.target(row));
+    const auto begin = pattern.neighbours.offsets[row];
+    ASSERT_EQ(static_cast<std::size_t>(pattern.neighbours.count(row)), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      for (int b = 0; b < 2; ++b)
+        EXPECT_EQ(gradient.numbers()[(begin + i) * 2 + b], expected.value(i, b));
+  }
+}
+
 TEST(FunctionalOperators, MistakesAreNamed) {
   EXPECT_THAT(message_of([] { F::partial(3, 2); }), HasSubstr("must be at most 4"));
   EXPECT_THAT(message_of([] { F::partial(-1); }), HasSubstr("must not be negative"));

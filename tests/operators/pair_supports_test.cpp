@@ -260,5 +260,21 @@ TEST(PairSupportSums, SourcesHaveTheNumbersOfTheCaller) {
   }
 }
 
+// A reconstruction hands out the list that it has made, with the radius of each pair, and takes it back.
+TEST(PairSupports, AListThatIsHandedOutGivesTheSameFit) {
+  const auto points = random_points<double, 2>(900, 1), targets = random_points<double, 2>(700, 2);
+  std::vector<double> radii(points.size());
+  for (std::size_t p = 0; p < radii.size(); ++p) radii[p] = 0.1 + 0.05 * static_cast<double>(p % 3);
+  const auto fit =
+      reconstruct(points_of(points), points_of(targets), {.neighbours = PairRadii{radii}});
+  const NeighbourList<double> list = fit.neighbours();
+  ASSERT_EQ(list.pair_support.size(), list.indices.size());
+  for (std::size_t e = 0; e < list.indices.size(); ++e)
+    EXPECT_EQ(list.pair_support[e], radii[list.indices[e]]);
+  const auto again = reconstruct(points_of(points), points_of(targets), list);
+  EXPECT_LT((again.apply(field_of(points)) - fit.apply(field_of(points))).cwiseAbs().maxCoeff(),
+            1e-12);
+}
+
 }  // namespace
 }  // namespace recon::testing

@@ -11,7 +11,8 @@
 # The method, mpm/, knows neither files nor formulas nor what reads them.
 cmake_minimum_required(VERSION 3.22)
 
-set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer mpm fields io runs studies)
+set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer mpm fields io runs studies
+  bindings c python)
 set(last_of_recon transfer)
 set(headers_about_boost include/recon/points/boost_geometry.hpp)
 set(includes_boost src/neighbourhood/r_tree.cpp)

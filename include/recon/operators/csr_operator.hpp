@@ -138,6 +138,13 @@ class CsrOperator {
   Row row(std::size_t target) && = delete;
   std::vector<std::uint32_t> empty_rows() const;  // targets without support, ascending
 
+  // All entries as they lie in memory: number b of entry e of the pattern's list at e * blocks() + b.
+  // For other libraries' matrices; pattern().target_of says which target a row is.
+  const SparsityPattern<Scalar>& pattern() const& { return *pattern_; }
+  std::span<const Scalar> numbers() const& { return values_; }
+  const SparsityPattern<Scalar>& pattern() && = delete;
+  std::span<const Scalar> numbers() && = delete;
+
   Scalar fill() const { return fill_; }  // of rows without support
   int threads() const { return threads_; }
 

@@ -51,9 +51,18 @@
 
 namespace recon {
 
+// For a choice that is made while the program runs.
+using AnyFunctional = std::variant<Functional, OwnFunctional, VectorFunctional>;
+template <class Scalar>
+using AnyOperator = std::variant<CsrOperator<Scalar>, VectorOperator<Scalar>>;
+
 namespace detail {
 template <class Scalar>
 class FitProblem;
+
+template <class T>
+concept OneFunctional = std::same_as<T, Functional> || std::same_as<T, OwnFunctional> ||
+    std::same_as<T, VectorFunctional>;
 
 // What acts on each component of a field by itself.
 using ComponentFunctional = std::variant<Functional, OwnFunctional>;
@@ -150,7 +159,7 @@ class BasicReconstruction {
   // Operators of any functionals (functional.hpp), from one fit of each target for all of them: a
   // std::tuple of a CsrOperator for each Functional and OwnFunctional and a VectorOperator for each
   // VectorFunctional. Derivatives beyond the second and own functionals fit each target once more.
-  template <class... Functionals>
+  template <detail::OneFunctional... Functionals>
   auto operators(const Functionals&... functionals) const {
     const std::array<detail::ComponentFunctional, sizeof...(Functionals)> bases{
         detail::base_of(functionals)...};
@@ -160,6 +169,8 @@ class BasicReconstruction {
     }
     (std::index_sequence_for<Functionals...>{});
   }
+  // The same for functionals that are chosen while the program runs.
+  std::vector<AnyOperator<Scalar>> operators(std::span<const AnyFunctional> functionals) const;
 
   // What became of each target. After an update of the Sources, report(), neighbours() and support()
   // throw InvalidArgument until update(), as all use of the fit does.

@@ -28,6 +28,8 @@ class VectorOperator {
   std::size_t columns() const { return gradient_.columns(); }  // particles
   int inputs() const { return gradient_.blocks(); }            // components of a field of particles
   int outputs() const { return outputs_; }                     // components at a target
+  const CsrOperator<Scalar>& gradient() const& { return gradient_; }
+  const CsrOperator<Scalar>& gradient() && = delete;
 
   // A row per target; the fill value of the gradient where there is no support. Throws
   // InvalidArgument as CsrOperator does, naming the components of these fields, and for fields of

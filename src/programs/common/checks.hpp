@@ -52,12 +52,41 @@ inline Check digit(char least, char greatest) {
   };
 }
 
-inline Check one_of(std::vector<std::string> words) {
-  return [words](const std::string& text) -> std::string {
+// A check that accepts some words only has these in its name, where completion finds them.
+inline constexpr std::string_view one_of_mark = "one of ";
+
+inline std::string check_name(const std::vector<std::string>& words) {
+  std::string name(one_of_mark);
+  for (const std::string& word : words) name += word + " ";
+  return name;
+}
+
+inline CLI::Validator one_of(const std::vector<std::string>& words) {
+  const auto check = [words](const std::string& text) -> std::string {
     for (const std::string& word : words)
       if (word == text) return "";
     return "unknown '" + text + "'; " + suggest(text, words);
   };
+  return {check, "", check_name(words)};
+}
+
+// Words to complete, of an option whose value is checked elsewhere.
+inline CLI::Validator such_as(const std::vector<std::string>& words) {
+  return {[](const std::string&) { return std::string(); }, "", check_name(words)};
+}
+
+// What one_of() or such_as() were given; no words where an option has no such check.
+inline std::vector<std::string> words_of(CLI::Option& option) {
+  for (int i = 0;; ++i) try {
+      const std::string& name = option.get_validator(i)->get_name();
+      if (name.starts_with(one_of_mark)) {
+        std::vector<std::string> words = split(name.substr(one_of_mark.size()), ' ');
+        words.pop_back();  // behind the last blank
+        return words;
+      }
+    } catch (const CLI::OptionNotFound&) {
+      return {};
+    }
 }
 
 }  // namespace recon::program

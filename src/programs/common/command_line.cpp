@@ -1,16 +1,21 @@
 #include "programs/common/command_line.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <system_error>
 
+#include "programs/common/build_options.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
+#include "programs/common/manual.hpp"
 
 namespace recon::program {
 
@@ -25,7 +30,14 @@ constexpr const char* exit_codes =
     "  4  anything else\n"
     "Messages go to the standard error, summaries to the standard output.";
 
-// Usage lines that name the arguments, and one blank line between groups.
+// Is the standard output a terminal whose user has nothing against colours (no-color.org)?
+bool takes_colours() {
+  const char* none = std::getenv("NO_COLOR");
+  return isatty(STDOUT_FILENO) == 1 && (none == nullptr || *none == '\0');
+}
+
+// Usage lines that name the arguments, and one blank line between groups, whose names are bold on
+// terminals.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(30); }
@@ -38,6 +50,7 @@ class HelpFormatter : public CLI::Formatter {
   }
   std::string make_group(std::string group, bool is_positional,
                          std::vector<const CLI::Option*> options) const override {
+    if (colours_ && !is_positional) group = "\033[1m" + group + "\033[0m";
     std::string text = Formatter::make_group(group, is_positional, options);
     if (is_positional) text.erase(0, text.find('\n', 1) + 1).insert(0, "\n");
     return text;
@@ -48,6 +61,9 @@ class HelpFormatter : public CLI::Formatter {
     for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
     return text;
   }
+
+ private:
+  bool colours_ = takes_colours();
 };
 
 // `recon help map` means `recon map --help`.
@@ -120,17 +136,33 @@ void require_printed() {
                                       std::generic_category().message(errno));
 }
 
+// Two commands that --help does not show, as their results are installed: `completion SHELL` and
+// `manual [COMMAND]`.
+bool print_for_installation(CLI::App& app, const std::vector<std::string>& words) {
+  if (words[0] == "completion" && words.size() == 2)
+    std::fputs(completion_script(app, words[1]).c_str(), stdout);
+  else if (words[0] == "manual" && words.size() <= 2)
+    std::fputs(manual_page(app, words.size() == 2 ? words[1] : "", exit_codes).c_str(), stdout);
+  else
+    return false;
+  require_printed();
+  return true;
+}
+
 int run(const Front& front, const std::string& description, int argc, char** argv,
         const std::function<std::map<std::string, Command>(CLI::App&)>& add) {
   CLI::App app{description, front.name};
-  app.set_version_flag("--version", front.name + " " RECON_VERSION, "the version");
+  app.set_version_flag("--version", front.name + " " RECON_VERSION "\n" + build_options(),
+                       "the version, and with what it was built");
   app.require_subcommand(1);
   app.footer(exit_codes);
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "this help");
   const std::map<std::string, Command> commands = add(app);
+  const std::vector<std::string> words = arguments(argc, argv);
+  if (print_for_installation(app, words)) return success;
   try {
-    parse(front, app, arguments(argc, argv));
+    parse(front, app, words);
   } catch (const CLI::Success& asked_for) {  // --help, --version
     const int code = app.exit(asked_for);
     require_printed();

@@ -184,17 +184,22 @@ Command add_compare(CLI::App& app) {
   auto* command = app.add_subcommand("compare", "every method on one problem, side by side");
   auto options = std::make_shared<Options>();
   options->problem.add_to(*command, false);
-  command->add_option("--methods", options->methods, "names, with commas (default: all)");
-  command->add_option(
-      "--cells", options->cells,
-      "cells per unit length, with commas (default: the problem's, and twice that)");
-  command->add_option("--out", options->out, "FILE.csv for the table");
-  command->add_option("--picture", options->picture,
-                      "FILE.png or .svg: an error over the cost, a point for each method");
+  command->add_option("--methods", options->methods, "names, with commas (default: all)")
+      ->type_name("NAMES");
+  command
+      ->add_option("--cells", options->cells,
+                   "cells per unit length, with commas (default: the problem's, and twice that)")
+      ->type_name("NUMBERS");
+  command->add_option("--out", options->out, ".csv for the table")->type_name("FILE");
+  command
+      ->add_option("--picture", options->picture,
+                   ".png or .svg: an error over the cost, a point for each method")
+      ->type_name("FILE");
   command
       ->add_option("--against", options->against,
                    "the error of the picture: displacement, velocity, angular or energy (default: "
                    "displacement, or energy where no exact solution is known)")
+      ->type_name("ERROR")
       ->check(one_of({"displacement", "velocity", "angular", "energy"}));
   command->add_flag("--no-stability", options->no_stability,
                     "do not look for the largest stable steps");

@@ -177,16 +177,23 @@ Command add_converge(CLI::App& app) {
       app.add_subcommand("converge", "errors and orders of convergence against the exact solution");
   auto options = std::make_shared<Options>();
   options->problem.add_to(*command, false);
-  command->add_option("--methods", options->methods, "names, with commas")->capture_default_str();
+  command->add_option("--methods", options->methods, "names, with commas")
+      ->type_name("NAMES")
+      ->capture_default_str();
   command->add_option("--cells", options->cells, "cells per unit length, with commas")
+      ->type_name("NUMBERS")
       ->capture_default_str();
   command->add_option("--times", options->times, "parts of the problem's end T, as in T/4,3T/8,T")
+      ->type_name("PARTS")
       ->capture_default_str();
   command->add_option("--norm", options->norm, "of the table and the picture: l2 or rms")
+      ->type_name("NORM")
       ->check(one_of({"l2", "rms"}))
       ->capture_default_str();
-  command->add_option("--out", options->out, "FILE.csv for all numbers, in both norms");
-  command->add_option("--picture", options->picture, "FILE.png or .svg of the displacement errors");
+  command->add_option("--out", options->out, ".csv for all numbers, in both norms")
+      ->type_name("FILE");
+  command->add_option("--picture", options->picture, ".png or .svg of the displacement errors")
+      ->type_name("FILE");
   command->add_flag("--quiet", options->quiet, "no progress");
   return [options] { run(*options); };
 }

@@ -10,11 +10,12 @@
 namespace recon::program {
 
 void ProblemOptions::add_to(CLI::App& command, bool choice) {
-  command.add_option("FILE", file, "the problem, a TOML file")->required();
+  command.add_option("FILE", file, "the problem, a TOML file")->type_name("")->required();
   if (choice) {
     command
         .add_option("--method", method,
                     "the method (see recon-mpm methods), with other choices: NAME+KEY=VALUE+...")
+        ->type_name("NAME")
         ->check(CLI::Validator(
             [](std::string& text) {
               try {
@@ -24,12 +25,16 @@ void ProblemOptions::add_to(CLI::App& command, bool choice) {
                 return std::string(error.what());
               }
             },
-            ""));
-    command.add_option("--cells", cells, "cells per unit length")->check(positive_number());
+            "", check_name(method_names(""))));
+    command.add_option("--cells", cells, "cells per unit length")
+        ->check(positive_number())
+        ->type_name("N");
   }
-  command.add_option("--set", settings, "KEY=VALUE: another value for a key of the file")
+  command.add_option("--set", settings, "another value for a key of the file, as in grid.cells=40")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   command.add_option("--threads", threads, "threads (default: all processors)")
+      ->type_name("N")
       ->check(whole_number(1));
 }
 

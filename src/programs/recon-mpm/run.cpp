@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "problem_options.hpp"
 #include "programs/common/errors.hpp"
+#include "programs/common/json.hpp"
 #include "programs/common/progress.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/picture.hpp"
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 struct Options {
   ProblemOptions problem;
   std::string out, restart, picture;
-  bool overwrite = false, quiet = false;
+  bool overwrite = false, quiet = false, json = false;
 };
 
 void print_line(const char* name, const std::string& text) {
@@ -84,6 +85,49 @@ void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result
     print_line("", "changed there: the mass passed through zero, so the results cannot be trusted");
   print_line("files",
              folder + ": " + counted(result.frames, "frame") + ", ledger.csv, checkpoint.h5");
+}
+
+Json vector_array(const std::array<double, 3>& v, int dimension) {
+  return Json::array_of(std::span(v).first(static_cast<std::size_t>(dimension)));
+}
+
+Json ledger_object(const mpm::Ledger& ledger, int dimension) {
+  Json object = Json::object().set("mass", ledger.mass);
+  object.set("momentum", vector_array(ledger.momentum, dimension));
+  if (dimension == 2) object.set("angular", ledger.angular[2]);
+  if (dimension == 3) object.set("angular", vector_array(ledger.angular, 3));
+  object.set("kinetic", ledger.kinetic).set("strain", ledger.strain);
+  object.set("energy", ledger.total());
+  object.set("interpolation_error", ledger.interpolation_error);
+  return object.set("algorithmic_error", ledger.algorithmic_error);
+}
+
+template <int D>
+Json summary_object(const mpm::ProblemFile<D>& file, const mpm::RunResult& result, double seconds,
+                    const std::string& folder) {
+  const mpm::Problem<D>& problem = file.problem;
+  Json object = Json::object();
+  object.set("problem", file.title).set("method", problem.method.name).set("dimension", D);
+  object.set("particles", problem.particles.size()).set("cell", problem.grid.h());
+  Json expected = Json::object().set("steps", result.forecast.steps);
+  expected.set("step", result.forecast.step.dt).set("memory", result.forecast.memory);
+  expected.set("nodes", result.forecast.nodes);
+  object.set("expected", expected.set("warnings", Json::array_of(result.forecast.warnings)));
+  object.set("time", result.time).set("steps", result.steps).set("seconds", seconds);
+  object.set("shortest_step", result.shortest_step).set("longest_step", result.longest_step);
+  const bool adaptive = problem.time.rule == mpm::StepRule::adaptive && result.longest_step > 0;
+  object.set("limiting_particle", adaptive ? Json(result.limiting_particle) : Json());
+  object.set("first", ledger_object(result.first, D)).set("last", ledger_object(result.last, D));
+  object.set("map_defect", result.largest_momentum_defect).set("unfitted", result.unfitted);
+  const auto mass = [&](const std::optional<mpm::NegativeMass>& found) {
+    if (!found) return Json();
+    Json one = Json::object().set("step", found->step).set("node", found->node);
+    return one.set("mass", found->mass);
+  };
+  object.set("negative_mass", mass(result.negative_mass));
+  object.set("sign_change", mass(result.sign_change));
+  object.set("folder", folder).set("frames", result.frames);
+  return object.set("stopped", result.stopped);
 }
 
 // Energies over time, from the ledger.
@@ -189,11 +233,12 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
     if (now > shown) progress.advance(now - shown);
     shown = std::max(shown, now);
   };
-  run_options.begins = [](const mpm::Forecast& forecast) {
-    print_line("expected", counted(forecast.particles, "particle") + ", " +
-                               counted(forecast.nodes, "node") + ", about " +
-                               number(forecast.steps) + " steps of " + number(forecast.step.dt) +
-                               ", " + number(forecast.memory / 1e6, 3) + " MB");
+  run_options.begins = [&](const mpm::Forecast& forecast) {
+    if (!options.json)
+      print_line("expected", counted(forecast.particles, "particle") + ", " +
+                                 counted(forecast.nodes, "node") + ", about " +
+                                 number(forecast.steps) + " steps of " + number(forecast.step.dt) +
+                                 ", " + number(forecast.memory / 1e6, 3) + " MB");
     std::fflush(stdout);
     for (const std::string& warning : forecast.warnings)
       std::fprintf(stderr, "warning: %s\n", warning.c_str());
@@ -227,7 +272,10 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
   } catch (const FileError& error) {
     throw ProgramError(no_output, error.what());
   }
-  print_summary(file, result, progress.seconds(), run_options.folder.string());
+  const std::string folder = run_options.folder.string();
+  Json summary = summary_object(file, result, progress.seconds(), folder);
+  if (options.json && (result.stopped || !file.output.ledger)) print_json(summary);
+  if (!options.json) print_summary(file, result, progress.seconds(), folder);
   if (result.stopped)
     throw ProgramError(static_cast<ExitCode>(128 + signals.seen()),
                        "stopped at time " + number(saved.time) + ", step " +
@@ -235,13 +283,17 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
                            ". To go on: " + go_on(options, checkpoint));
   if (!file.output.ledger) return;
   const fs::path picture = run_options.folder / "energy.png";
+  std::string why_none;
   try {
     draw_energies(run_options.folder / "ledger.csv", picture,
                   name + ", " + file.problem.method.name);
-    print_line("picture", picture.string());
   } catch (const FileError& error) {  // no gnuplot: the numbers are there all the same
-    print_line("picture", std::string("none: ") + error.what());
+    why_none = error.what();
   }
+  if (options.json)
+    print_json(summary.set("picture", why_none.empty() ? Json(picture.string()) : Json()));
+  else
+    print_line("picture", why_none.empty() ? picture.string() : "none: " + why_none);
 }
 
 }  // namespace
@@ -250,11 +302,15 @@ Command add_run(CLI::App& app) {
   auto* command = app.add_subcommand("run", "one run: frames for ParaView, a ledger, checkpoints");
   auto options = std::make_shared<Options>();
   options->problem.add_to(*command, true);
-  command->add_option("--out", options->out, "folder for the results (default: PROBLEM_METHOD)");
-  command->add_option("--restart", options->restart,
-                      "a checkpoint.h5 of the same problem to go on from");
+  command->add_option("--out", options->out, "folder for the results (default: PROBLEM_METHOD)")
+      ->type_name("FOLDER");
+  command
+      ->add_option("--restart", options->restart,
+                   "a checkpoint.h5 of the same problem to go on from")
+      ->type_name("FILE");
   command->add_flag("--overwrite", options->overwrite, "replace the results of another run");
   command->add_flag("--quiet", options->quiet, "no progress");
+  add_json_option(*command, options->json, "Options");
   return [options] {
     const mpm::AnyProblem problem = options->problem.read();
     std::visit([&](const auto& file) { run(*options, file); }, problem);

@@ -99,13 +99,18 @@ Command add_stability(CLI::App& app) {
   auto* command =
       app.add_subcommand("stability", "the largest stable step of each method, and its dispersion");
   auto options = std::make_shared<Options>();
-  command->add_option("--methods", options->methods, "names, with commas")->capture_default_str();
+  command->add_option("--methods", options->methods, "names, with commas")
+      ->type_name("NAMES")
+      ->capture_default_str();
   command->add_option("--particles", options->particles, "per cell, with commas")
+      ->type_name("NUMBERS")
       ->capture_default_str();
   command->add_option("--dimension", options->dimension, "2 and 3: the stable step alone")
+      ->type_name("D")
       ->check(CLI::Range(1, 3))
       ->capture_default_str();
-  command->add_option("--picture", options->picture, "FILE.png or .svg of the dispersion");
+  command->add_option("--picture", options->picture, ".png or .svg of the dispersion")
+      ->type_name("FILE");
   return [options] { run(*options); };
 }
 

@@ -328,9 +328,12 @@ Command add_verify(CLI::App& app) {
   auto* command = app.add_subcommand("verify", "the claims of the publications, measured");
   auto options = std::make_shared<Options>();
   command->add_flag("--full", options->full, "finer grids; takes long");
-  command->add_option("--only", options->only, "figures whose name contains this text");
-  command->add_option("--out", options->out,
-                      "folder for verification.md and verification/*.png (default: the terminal)");
+  command->add_option("--only", options->only, "figures whose name contains this text")
+      ->type_name("TEXT");
+  command
+      ->add_option("--out", options->out,
+                   "folder for verification.md and verification/*.png (default: the terminal)")
+      ->type_name("FOLDER");
   command->add_flag("--quiet", options->quiet, "no progress");
   return [options] { run(*options); };
 }

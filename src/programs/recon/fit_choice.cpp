@@ -10,8 +10,6 @@ namespace recon::program {
 
 namespace {
 
-const std::vector<std::string> method_names{"shepard", "mls", "imls", "qr", "svd"};
-
 Solver solver_of(const std::string& name) {
   if (name == "mls") return Solver::moment_matrix;
   if (name == "qr") return Solver::qr;
@@ -48,6 +46,10 @@ std::size_t suggested_neighbours(const Particles& particles, int degree) {
 }
 
 }  // namespace
+
+std::vector<std::string> method_names() {
+  return {"shepard", "mls", "imls", "qr", "svd"};
+}
 
 const char* const method_help =
     "shepard  weighted mean (degree 0)\n"
@@ -139,6 +141,7 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
                  "particles, nearest is nan too")
       ->type_name("VALUE")
       ->check(unsupported_check)
+      ->check(such_as({"nan", "nearest"}))
       ->capture_default_str()
       ->group(group);
   app.add_option("--threads", choice.threads,
@@ -152,7 +155,7 @@ void add_fit_options(CLI::App& app, FitChoice& choice) {
 Method read_method(const std::string& text, const FitChoice& choice) {
   const std::size_t colon = text.find(':');
   Method method{text.substr(0, colon), 0, Solver::gram_schmidt};
-  if (const std::string wrong = one_of(method_names)(method.name); !wrong.empty())
+  if (const std::string wrong = one_of(method_names())(method.name); !wrong.empty())
     fail_usage("method: " + wrong);
   method.solver = solver_of(method.name);
   method.degree = choice.degree.value_or(1);

@@ -38,7 +38,8 @@ struct Method {
 
 void add_fit_options(CLI::App& app, FitChoice& choice);
 
-// What --method takes, for its help.
+// What --method takes, and its help.
+std::vector<std::string> method_names();
 extern const char* const method_help;
 
 // `text` is NAME or NAME:DEGREE; without a degree that of `choice` holds, else 1,

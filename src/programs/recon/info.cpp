@@ -7,6 +7,7 @@
 #include "coincident.hpp"
 #include "commands.hpp"
 #include "field_plan.hpp"
+#include "json_summary.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
 #include "recon/io/read.hpp"
@@ -60,6 +61,18 @@ struct Statistics {
   }
 };
 
+// Of the columns that are no coordinates.
+std::vector<std::string> field_columns(const Particles& particles) {
+  std::vector<std::string> names;
+  for (const std::string& name : particles.table.names()) {
+    const auto is_this = [&](const LeftOut& each) { return each.name == name; };
+    if (std::find(particles.axes.begin(), particles.axes.end(), name) == particles.axes.end() &&
+        std::none_of(particles.left_out.begin(), particles.left_out.end(), is_this))
+      names.push_back(name);
+  }
+  return names;
+}
+
 void print_columns(const Particles& particles) {
   std::size_t width = 5;
   for (const std::string& name : particles.table.names()) width = std::max(width, name.size());
@@ -71,11 +84,7 @@ void print_columns(const Particles& particles) {
   };
   row("fields", "", "least", "greatest", "mean");
   std::printf("\n");
-  for (const std::string& name : particles.table.names()) {
-    const auto is_this = [&](const LeftOut& each) { return each.name == name; };
-    if (std::find(particles.axes.begin(), particles.axes.end(), name) != particles.axes.end() ||
-        std::any_of(particles.left_out.begin(), particles.left_out.end(), is_this))
-      continue;
+  for (const std::string& name : field_columns(particles)) {
     const Statistics all(particles.table.raw_column(name));
     if (all.finite == 0)
       row("", name, "nan", "nan", "nan");
@@ -127,33 +136,87 @@ std::string same_input(const InputOptions& options) {
   return text;
 }
 
-void print_suggestion(const Particles& particles, const InputOptions& options) {
-  if (!(particles.spacing > 0)) {
-    print_line("suggested", "nothing: all particles are at one place");
-    return;
-  }
+// A map to begin with.
+struct Suggestion {
+  double spacing;
+  StructuredGrid<double> grid;
+  std::string command;
+};
+
+// None where all particles are at one place.
+std::optional<Suggestion> suggest_map(const Particles& particles, const InputOptions& options) {
+  if (!(particles.spacing > 0)) return {};
   const double spacing = suggested_spacing(particles);
-  const auto grid = covering_grid(particles.region, spacing, particles.grid_domain);
-  std::string nodes;
-  for (int d = 0; d < particles.dimension; ++d)
-    nodes += (d > 0 ? " x " : "") + std::to_string(grid.counts[d]);
   std::vector<std::string> fields = mappable_columns(particles);
   std::string names;
   for (const char* name : {"vx", "vy", "vz"})
     if (particles.table.has(name)) names += (names.empty() ? "" : ",") + std::string(name);
   if (names.empty()) names = fields.empty() ? "number_density" : field_word(fields.front());
-  print_line("mean spacing", number(particles.spacing, 3));
-  print_line("suggested", "spacing " + number(spacing) + " (" + nodes + " nodes):");
-  std::printf("  recon map %s%s --fields %s --spacing %s --out fields.vti --picture fields.png\n",
-              shell_word(options.file).c_str(), same_input(options).c_str(),
-              shell_word(names).c_str(), number(spacing).c_str());
+  return Suggestion{spacing, covering_grid(particles.region, spacing, particles.grid_domain),
+                    "recon map " + shell_word(options.file) + same_input(options) + " --fields " +
+                        shell_word(names) + " --spacing " + number(spacing) +
+                        " --out fields.vti --picture fields.png"};
 }
 
-void run(const InputOptions& options) {
+void print_suggestion(const Particles& particles, const InputOptions& options) {
+  const std::optional<Suggestion> suggestion = suggest_map(particles, options);
+  if (!suggestion) {
+    print_line("suggested", "nothing: all particles are at one place");
+    return;
+  }
+  std::string nodes;
+  for (int d = 0; d < particles.dimension; ++d)
+    nodes += (d > 0 ? " x " : "") + std::to_string(suggestion->grid.counts[d]);
+  print_line("mean spacing", number(particles.spacing, 3));
+  print_line("suggested", "spacing " + number(suggestion->spacing) + " (" + nodes + " nodes):");
+  std::printf("  %s\n", suggestion->command.c_str());
+}
+
+Json summary_object(const Particles& particles, const std::vector<FrameInfo>& frames,
+                    const InputOptions& options) {
+  Json summary = Json::object(), all = Json::array(), fields = Json::array();
+  set_particles(summary, particles);
+  for (const FrameInfo& frame : frames) {
+    Json one = Json::object().set("particles", frame.particles);
+    one.set("step", frame.step ? Json(*frame.step) : Json());
+    all.push(one.set("time", frame.time ? Json(*frame.time) : Json()));
+  }
+  for (const std::string& name : field_columns(particles)) {
+    const Statistics of(particles.table.raw_column(name));
+    const bool any = of.finite > 0;
+    Json one = Json::object().set("name", name);
+    one.set("least", any ? Json(of.least) : Json())
+        .set("greatest", any ? Json(of.greatest) : Json());
+    one.set("mean", any ? Json(of.sum / static_cast<double>(of.finite)) : Json());
+    fields.push(one.set("not_finite", particles.size() - of.finite));
+  }
+  const Coincidence coincident = count_coincident(particles);
+  summary.set("frames", all).set("fields", fields);
+  summary.set("derived", Json::array_of(derivable_fields(particles)));
+  summary.set(
+      "coincident",
+      Json::object().set("particles", coincident.particles).set("places", coincident.places));
+  summary.set("mean_spacing", particles.spacing);
+  const std::optional<Suggestion> suggestion = suggest_map(particles, options);
+  return summary.set("suggested", suggestion ? Json::object()
+                                                   .set("spacing", suggestion->spacing)
+                                                   .set("nodes", suggestion->grid.size())
+                                                   .set("command", suggestion->command)
+                                             : Json());
+}
+
+struct InfoOptions {
+  InputOptions input;
+  bool json = false;
+};
+
+void run(const InfoOptions& asked) {
+  const InputOptions& options = asked.input;
   if (options.file.empty()) fail_usage("info: the FILE is missing; see recon info --help");
   const std::vector<FrameInfo> frames =
       with_exit_code(wrong_input, [&] { return list_frames(options.file, read_options(options)); });
   const Particles particles = read_input(options);
+  if (asked.json) return print_json(summary_object(particles, frames, options));
   std::printf("%s\n", particles.describe().c_str());
   print_frames(frames);
   if (!particles.table.units.empty()) print_line("units", particles.table.units);
@@ -169,8 +232,9 @@ void run(const InputOptions& options) {
 Command add_info(CLI::App& app) {
   CLI::App* sub =
       app.add_subcommand("info", "What is in a file: frames, particles, fields; a suggested grid");
-  const auto options = std::make_shared<InputOptions>();
-  add_input_options(*sub, *options);
+  const auto options = std::make_shared<InfoOptions>();
+  add_input_options(*sub, options->input);
+  add_json_option(*sub, options->json, "Output");
   sub->footer("Example:\n  recon info examples/data/chute.dump.gz");
   return [options] { run(*options); };
 }

@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "frames.hpp"
+#include "json_summary.hpp"
 #include "map_series.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
@@ -23,6 +24,13 @@ void run(const MapOptions& options) {
   const Mapped mapped =
       map_fields(job.particles, job.plan, job.fit, job.targets.points, options.gradient, progress);
   const std::string beyond = write_outputs(options, job, mapped.fields, &mapped.reports);
+  if (options.json) {
+    Json summary = Json::object();
+    set_summary(summary, options, method, job, mapped);
+    summary.set("seconds", progress.seconds()).set("written", files_array(files_of(options)));
+    summary.set("picture_note", beyond.empty() ? Json() : Json(beyond));
+    return print_json(summary);
+  }
   if (options.quiet) return;
   print_summary(options, method, job, mapped);
   print_line("time", number(progress.seconds(), 2) + " s");
@@ -120,6 +128,7 @@ void add_output_options(CLI::App& app, MapOptions& options) {
                "them for ParaView")
       ->group(group);
   app.add_flag("--quiet", options.quiet, "no summary and no progress")->group(group);
+  add_json_option(app, options.json, group);
 }
 
 }  // namespace
@@ -133,6 +142,7 @@ Command add_map(CLI::App& app) {
   add_target_options(*sub, *options);
   sub->add_option("--method", options->method, method_help)
       ->type_name("NAME")
+      ->check(such_as(method_names()))
       ->group("Reconstruction");
   add_fit_options(*sub, options->fit);
   add_output_options(*sub, *options);

@@ -9,6 +9,7 @@
 #include "csv_table.hpp"
 #include "embedding.hpp"
 #include "frames.hpp"
+#include "json_summary.hpp"
 #include "outputs.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
@@ -180,6 +181,10 @@ std::optional<double> sum_radius(const FitOptions& fit) {
   return rule == nullptr ? fit.sum_radius : rule->radius;
 }
 
+std::vector<SumCheck> sums_of(const MapJob& job, const Mapped& mapped) {
+  return check_sums(job.plan, job.particles, job.targets.grid, mapped.fields, sum_radius(job.fit));
+}
+
 }  // namespace
 
 void print_summary(const MapOptions& options, const Method& method, const MapJob& job,
@@ -191,8 +196,27 @@ void print_summary(const MapOptions& options, const Method& method, const MapJob
   print_line("targets", job.targets.description);
   print_fit(mapped, options.fit);
   print_fields(mapped.fields);
-  if (job.targets.is_grid)
-    print_sums(job.plan, job.particles, job.targets.grid, mapped.fields, sum_radius(job.fit));
+  if (job.targets.is_grid) print_sums(sums_of(job, mapped), job.targets.grid, sum_radius(job.fit));
+}
+
+void set_summary(Json& object, const MapOptions& options, const Method& method, const MapJob& job,
+                 const Mapped& mapped) {
+  set_particles(object, job.particles);
+  object.set("method", method_object(method, options.fit,
+                                     describe_support(options.fit, method, job.particles,
+                                                      has_sums(job.plan))));
+  object.set("targets", targets_object(job.targets));
+  set_fit(object, mapped, options.fit);
+  object.set("fields", fields_array(mapped.fields));
+  if (!job.targets.is_grid) return;
+  Json sums = Json::array();
+  for (const SumCheck& check : sums_of(job, mapped)) {
+    Json one = Json::object().set("name", check.name);
+    one.set("over_grid", check.over_grid ? Json(*check.over_grid) : Json());
+    one.set("of_particles", check.of_particles ? Json(*check.of_particles) : Json());
+    sums.push(one.set("small_support", check.small_support));
+  }
+  object.set("sums", sums);
 }
 
 void print_written(const std::vector<std::string>& files, const std::string& beyond) {

@@ -7,6 +7,7 @@
 
 #include "fit_choice.hpp"
 #include "mapping.hpp"
+#include "programs/common/json.hpp"
 #include "slice_picture.hpp"
 
 namespace recon::program {
@@ -18,7 +19,7 @@ struct MapOptions {
   std::string method = "imls", fields, targets = "grid";
   std::vector<std::string> components, outputs;
   std::optional<double> spacing;
-  bool gradient = false, average = false, quiet = false;
+  bool gradient = false, average = false, quiet = false, json = false;
 };
 
 // Where the fields are wanted: a grid, or the points of a file.
@@ -57,6 +58,9 @@ std::vector<std::string> files_of(const MapOptions& options);
 
 void print_summary(const MapOptions& options, const Method& method, const MapJob& job,
                    const Mapped& mapped);
+// The same as members of an object.
+void set_summary(Json& object, const MapOptions& options, const Method& method, const MapJob& job,
+                 const Mapped& mapped);
 // "written       a.vti (1.2 MB)", a line for each file.
 void print_written(const std::vector<std::string>& files, const std::string& beyond);
 

@@ -7,6 +7,7 @@
 
 #include "average.hpp"
 #include "frames.hpp"
+#include "json_summary.hpp"
 #include "outputs.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
@@ -186,14 +187,16 @@ struct Differences {
     if (where_box.empty() && !same_box(particles.domain, first.particles.domain))
       where_box = particles.table.source;
   }
-  void print() const {
+  std::vector<std::string> notes() const {
+    std::vector<std::string> notes;
     if (most_outside > 0)
-      print_line("note", counted(most_outside, "particle") +
-                             " outside the grid of the first frame in " + where_outside +
-                             "; --bounds says what it covers");
+      notes.push_back(counted(most_outside, "particle") +
+                      " outside the grid of the first frame in " + where_outside +
+                      "; --bounds says what it covers");
     if (!where_box.empty())
-      print_line("note", "the periodic box is another one in " + where_box +
-                             "; the grid is that of the first frame");
+      notes.push_back("the periodic box is another one in " + where_box +
+                      "; the grid is that of the first frame");
+    return notes;
   }
 };
 
@@ -204,6 +207,7 @@ void map_series(const MapOptions& options, const Method& method) {
   LikeTheFirst like(options.input);
   Written written;
   MapOptions chosen = options;
+  Json frames = Json::array();
   const auto map_frame = [&](ParticleTable table, const FramePlace& place) {
     Particles particles = like.particles(std::move(table));
     if (place.number == 0 && options.targets == "grid" && !options.spacing)
@@ -217,7 +221,15 @@ void map_series(const MapOptions& options, const Method& method) {
     const std::string beyond = write_outputs(frame, job, mapped.fields, &mapped.reports);
     written.add(job.particles.table);
     progress.reach(place.progress);
-    if (!options.quiet) print_frame(frame, job, mapped, beyond);
+    if (options.json) {
+      Json one = Json::object();
+      set_summary(one, frame, method, job, mapped);
+      one.set("written", files_array(files_of(frame)));
+      one.set("picture_note", beyond.empty() ? Json() : Json(beyond));
+      frames.push(one);
+    } else if (!options.quiet) {
+      print_frame(frame, job, mapped, beyond);
+    }
   };
   std::vector<std::string> remarks;
   try {
@@ -227,14 +239,19 @@ void map_series(const MapOptions& options, const Method& method) {
     throw;
   }
   written.write_lists(options);
+  std::vector<std::string> lists;
+  for (const std::string& output : options.outputs)
+    if (is_listed(output)) lists.push_back(list_of(output));
+  if (options.json) {
+    Json summary = Json::object().set("frames", frames).set("notes", Json::array_of(remarks));
+    summary.set("seconds", progress.seconds()).set("written", files_array(lists));
+    return print_json(summary);
+  }
   if (options.quiet) return;
   for (const std::string& remark : remarks) print_line("note", remark);
   print_line("method", describe_method(method, options.fit));
   print_line("frames", count(written.times.size()));
   print_line("time", number(progress.seconds(), 2) + " s");
-  std::vector<std::string> lists;
-  for (const std::string& output : options.outputs)
-    if (is_listed(output)) lists.push_back(list_of(output));
   print_written(lists, "");
 }
 
@@ -268,15 +285,32 @@ void map_average(const MapOptions& options, const Method& method) {
   const std::vector<std::string> remarks = for_each_frame(options.input, add_frame);
   const FieldSet result = average.result(fill);
   const std::string beyond = write_outputs(options, *first, result, nullptr);
+  const std::string support =
+      describe_support(options.fit, method, first->particles, has_sums(first->plan));
+  if (options.json) {
+    std::vector<std::string> notes = remarks;
+    for (const std::string& note : differences.notes()) notes.push_back(note);
+    Json of_first = Json::object(), summary = Json::object();
+    set_particles(of_first, first->particles);
+    summary.set("frames", average.frames()).set("first", of_first);
+    summary.set("notes", Json::array_of(notes));
+    summary.set("method", method_object(method, options.fit, support));
+    summary.set("targets", targets_object(first->targets));
+    summary.set("sometimes_missing", average.sometimes_missing());
+    summary.set("always_missing", average.always_missing());
+    summary.set("fields", fields_array(result)).set("seconds", progress.seconds());
+    summary.set("written", files_array(files_of(options)));
+    summary.set("picture_note", beyond.empty() ? Json() : Json(beyond));
+    return print_json(summary);
+  }
   if (options.quiet) return;
   std::printf("%s\n", first->particles.describe().c_str());
   print_remarks(first->particles.table);
   for (const std::string& remark : remarks) print_line("note", remark);
   print_line("frames", count(average.frames()) + ", the first of which is this");
-  differences.print();
+  for (const std::string& note : differences.notes()) print_line("note", note);
   print_line("method", describe_method(method, options.fit));
-  print_line("support",
-             describe_support(options.fit, method, first->particles, has_sums(first->plan)));
+  print_line("support", support);
   print_line("targets", first->targets.description);
   if (average.sometimes_missing() + average.always_missing() > 0)
     print_line("no value", counted(average.sometimes_missing(), "target") + " in some frames, " +

@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "csv_table.hpp"
+#include "json_summary.hpp"
 #include "mapping.hpp"
 #include "outputs.hpp"
 #include "programs/common/checks.hpp"
@@ -22,7 +23,7 @@ struct ProfileOptions {
   FitChoice fit;
   std::string axis = "z", fields, methods = "imls", out, picture, levels;
   std::optional<double> spacing, across;
-  bool quiet = false;
+  bool quiet = false, json = false;
 };
 
 // Planes of targets normal to the axis.
@@ -199,6 +200,21 @@ void print_ends(const Planes& planes, const ProfileTable& table, const std::stri
   }
 }
 
+Json levels_of(const Planes& planes) {
+  Json levels = Json::array();
+  for (std::size_t i = 0; i < planes.levels(); ++i)
+    levels.push(planes.grid.coordinate(i, planes.axis));
+  return levels;
+}
+
+// Of each column, a number for every level.
+Json means_object(const ProfileTable& table) {
+  Json means = Json::object();
+  for (const Column& column : table.columns())
+    means.set(column.name, Json::array_of(column.values));
+  return means;
+}
+
 void run(const ProfileOptions& options) {
   if (options.input.file.empty())
     fail_usage("profile: the FILE is missing; see recon profile --help");
@@ -223,7 +239,8 @@ void run(const ProfileOptions& options) {
   const auto nodes = planes.grid.nodes();
   const std::string axis = particles.axes[planes.axis];
 
-  if (!options.quiet) {
+  const bool prints = !options.quiet && !options.json;
+  if (prints) {
     std::printf("%s\n", particles.describe().c_str());
     print_remarks(particles.table);
     print_line("targets", counted(planes.levels(), "level") + " along " + axis + ", spacing " +
@@ -232,29 +249,44 @@ void run(const ProfileOptions& options) {
   }
   Progress progress("profile", planes.grid.size() * methods.size(), options.quiet);
   ProfileTable table(planes, plan);
+  Json fits = Json::array();
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const FitOptions fit = fit_options(options.fit, methods[m], particles);
     const Mapped mapped = map_fields(particles, plan, fit, nodes.view(), false, progress);
     table.add(mapped, methods[m], column_suffix(methods[m], texts[m]), m == 0);
-    if (options.quiet) continue;
+    const std::string support =
+        describe_support(options.fit, methods[m], particles, has_sums(plan));
+    Json one = Json::object().set("method", method_object(methods[m], options.fit, support));
+    set_fit(one, mapped, options.fit);
+    fits.push(one);
+    if (!prints) continue;
     std::printf("\n");
     print_line("method", describe_method(methods[m], options.fit));
-    print_line("support", describe_support(options.fit, methods[m], particles, has_sums(plan)));
+    print_line("support", support);
     print_fit(mapped, options.fit);
   }
   with_exit_code(no_output, [&] {
     if (!options.out.empty()) table.write(options.out, axis);
     if (!options.picture.empty()) table.draw_to(options.picture, particles.table.source, axis);
   });
-  if (options.quiet) return;
+  std::vector<std::string> files;
+  for (const std::string& file : {options.out, options.picture})
+    if (!file.empty()) files.push_back(file);
+  if (options.json) {
+    Json summary = Json::object();
+    set_particles(summary, particles);
+    summary.set("axis", axis).set("levels", levels_of(planes));
+    summary.set("spacing", planes.grid.spacing[planes.axis]);
+    summary.set("targets_per_level", planes.grid.size() / planes.levels());
+    summary.set("methods", fits).set("means", means_object(table));
+    summary.set("seconds", progress.seconds()).set("written", files_array(files));
+    return print_json(summary);
+  }
+  if (!prints) return;
   std::printf("\n");
   print_ends(planes, table, axis);
   print_line("time", number(progress.seconds(), 2) + " s");
-  if (!options.out.empty())
-    print_line("written", options.out + " (" + file_size(options.out) + ")");
-  if (!options.picture.empty())
-    print_line(options.out.empty() ? "written" : "",
-               options.picture + " (" + file_size(options.picture) + ")");
+  print_written(files, "");
 }
 
 void add_profile_options(CLI::App& app, ProfileOptions& options) {
@@ -322,6 +354,7 @@ Command add_profile(CLI::App& app) {
       ->type_name("FILE")
       ->group(group);
   sub->add_flag("--quiet", options->quiet, "no summary and no progress")->group(group);
+  add_json_option(*sub, options->json, group);
   sub->footer(
       "Example:\n"
       "  recon profile examples/data/chute.dump.gz --fields vx --methods shepard,mls,imls \\\n"

@@ -21,30 +21,48 @@ bool covers_all(const StructuredGrid<double>& grid, const Particles& particles) 
   return true;
 }
 
+double widest_spacing(const StructuredGrid<double>& grid) {
+  double widest = 0;
+  for (int d = 0; d < grid.dimension; ++d) widest = std::max(widest, grid.spacing[d]);
+  return widest;
+}
+
 }  // namespace
 
-void print_sums(const FieldPlan& plan, const Particles& particles,
-                const StructuredGrid<double>& grid, const FieldSet& fields,
-                std::optional<double> radius) {
-  double cell = 1, widest = 0;
-  for (int d = 0; d < grid.dimension; ++d) {
-    cell *= grid.spacing[d];
-    widest = std::max(widest, grid.spacing[d]);
-  }
-  std::string_view heading = "sums";
+std::vector<SumCheck> check_sums(const FieldPlan& plan, const Particles& particles,
+                                 const StructuredGrid<double>& grid, const FieldSet& fields,
+                                 std::optional<double> radius) {
+  double cell = 1;
+  for (int d = 0; d < grid.dimension; ++d) cell *= grid.spacing[d];
+  const bool covers = covers_all(grid, particles);
+  std::vector<SumCheck> checks;
   for (const PlannedField& planned : plan) {
     if (!planned.is_kernel_sum()) continue;
-    if (covers_all(grid, particles)) {
+    SumCheck check{planned.name, {}, {}, radius && *radius < widest_spacing(grid)};
+    if (covers) {
       double over_grid = 0, of_particles = 0;
       for (const double value : fields[planned.name].values) over_grid += value * cell;
       for (const double amount : planned.amounts) of_particles += amount;
-      print_line(heading, planned.name + ": " + number(over_grid) + " over the grid, " +
-                              number(of_particles) + " of the particles");
+      check.over_grid = over_grid;
+      check.of_particles = of_particles;
+    }
+    checks.push_back(std::move(check));
+  }
+  return checks;
+}
+
+void print_sums(const std::vector<SumCheck>& checks, const StructuredGrid<double>& grid,
+                std::optional<double> radius) {
+  std::string_view heading = "sums";
+  for (const SumCheck& check : checks) {
+    if (check.over_grid) {
+      print_line(heading, check.name + ": " + number(*check.over_grid) + " over the grid, " +
+                              number(*check.of_particles) + " of the particles");
       heading = "";
     }
-    if (!radius || *radius >= widest) continue;
-    print_line("warning", planned.name + ": the support radius " + number(*radius) +
-                              " is smaller than the spacing " + number(widest) +
+    if (!check.small_support) continue;
+    print_line("warning", check.name + ": the support radius " + number(*radius) +
+                              " is smaller than the spacing " + number(widest_spacing(grid)) +
                               " of the grid; nodes");
     print_line("", "miss or overrate what lies between them: take a radius of twice the spacing");
   }

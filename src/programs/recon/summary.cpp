@@ -8,20 +8,25 @@
 
 namespace recon::program {
 
-namespace {
-
-std::string range_of(const NamedField& field, int component) {
-  double least = HUGE_VAL, greatest = -HUGE_VAL;
-  std::size_t missing = 0;
+FieldRange range_of(const NamedField& field, int component) {
+  FieldRange range{std::nan(""), std::nan("")};
   const FieldView<double> values = field.view();
   for (std::size_t i = 0; i < field.size(); ++i) {
     const double value = values(i, component);
-    least = std::fmin(least, value);
-    greatest = std::fmax(greatest, value);
-    missing += std::isnan(value) ? 1 : 0;
+    range.least = std::fmin(range.least, value);
+    range.greatest = std::fmax(range.greatest, value);
+    range.missing += std::isnan(value) ? 1 : 0;
   }
-  if (missing == field.size()) return "no value anywhere";
-  return range(least, greatest) + (missing > 0 ? " (nan at " + count(missing) + ")" : "");
+  return range;
+}
+
+namespace {
+
+std::string describe_range(const NamedField& field, int component) {
+  const FieldRange found = range_of(field, component);
+  if (found.missing == field.size()) return "no value anywhere";
+  return range(found.least, found.greatest) +
+         (found.missing > 0 ? " (nan at " + count(found.missing) + ")" : "");
 }
 
 }  // namespace
@@ -80,7 +85,7 @@ void print_fields(const FieldSet& fields) {
     for (int c = 0; c < field.components; ++c) {
       std::string name = field.name + component_suffix(field, c, field.components);
       name.resize(std::max(name.size(), width), ' ');
-      print_line(heading, name + "  " + range_of(field, c));
+      print_line(heading, name + "  " + describe_range(field, c));
       heading = "";
     }
   }

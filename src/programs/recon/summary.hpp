@@ -17,6 +17,12 @@ std::string describe_method(const Method& method, const FitChoice& choice);
 
 // Lines about full, reduced and missing fits, the neighbours, the conditioning and the limit.
 void print_fit(const Mapped& mapped, const FitChoice& choice);
+// Least and greatest of a component; NaN where no target has a value.
+struct FieldRange {
+  double least, greatest;
+  std::size_t missing = 0;  // targets without a value
+};
+FieldRange range_of(const NamedField& field, int component);
 // The ranges of the fields.
 void print_fields(const FieldSet& fields);
 // What was noticed when the file was read.
