@@ -16,6 +16,8 @@ struct recon_options {
   recon::bindings::NamedOptions named;
   std::vector<double> particle_weights, radii;
   bool has_radii = false;
+  std::vector<double> tensors;
+  int tensor_components = 0;  // 0: there are none
   std::shared_ptr<const recon::NeighbourList<double>> list;
 
   // With arrays that live as long as this.

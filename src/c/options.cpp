@@ -2,6 +2,7 @@
 #include <array>
 
 #include "c/handles.hpp"
+#include "recon/points/make_view.hpp"
 
 using recon::c::guarded;
 using recon::c::there;
@@ -14,6 +15,12 @@ recon::Options recon_options::finished() const {
     if (all.neighbours)
       throw_invalid("radii", "given", "are neighbours, as radius and nearest are: say one of them");
     all.neighbours = recon::Radii{radii};
+  }
+  if (tensor_components > 0) {
+    if (all.neighbours)
+      throw_invalid("ellipsoids", "given",
+                    "are neighbours, as radius, nearest and radii are: say one of them");
+    all.neighbours = recon::Ellipsoids{recon::field_of_flat(tensors, tensor_components)};
   }
   return all;
 }
@@ -110,6 +117,17 @@ recon_status recon_options_neighbours(recon_options* options, size_t targets,
     list->indices.assign(indices, indices + count);
     list->support.assign(support, support + targets);
     to.list = std::move(list);
+  });
+}
+
+recon_status recon_options_ellipsoids(recon_options* options, recon_array tensors) {
+  return guarded([&] {
+    recon_options& to = there(options, "options");
+    const recon::FieldView<double> view = recon::c::field_of<double>(tensors, "tensors");
+    to.tensors.clear();
+    for (std::size_t t = 0; t < view.size(); ++t)
+      for (int c = 0; c < view.components(); ++c) to.tensors.push_back(view(t, c));
+    to.tensor_components = view.components();
   });
 }
 

@@ -61,6 +61,7 @@ module recon
 
   public :: recon_abi_version, recon_version, recon_message, recon_array_of, recon_numbers_of
   public :: recon_options_new, recon_options_free, recon_set, recon_options_periodic, recon_options_neighbours
+  public :: recon_options_ellipsoids
   public :: recon_sources_new, recon_sources_update, recon_sources_size, recon_sources_free, recon_kernel_sum
   public :: recon_reconstruct, recon_reconstruct_at_nodes, recon_reconstruct_from, recon_fit_update, recon_fit_free
   public :: recon_fit_targets, recon_fit_particles, recon_fit_apply, recon_fit_apply_limited
@@ -147,6 +148,13 @@ module recon
       real(c_double), intent(in) :: support(*)
       integer(c_int) :: c_options_neighbours
     end function c_options_neighbours
+
+    function c_options_ellipsoids(options, tensors) bind(c, name='recon_options_ellipsoids')
+      import :: recon_array, c_ptr, c_int
+      type(c_ptr), value :: options
+      type(recon_array), value :: tensors
+      integer(c_int) :: c_options_ellipsoids
+    end function c_options_ellipsoids
 
     function c_sources_new(points, options, sources) bind(c, name='recon_sources_new')
       import :: recon_array, c_ptr, c_int
@@ -578,6 +586,13 @@ contains
     integer(c_int) :: status
     status = c_options_neighbours(options%handle, int(size(support), c_size_t), offsets, indices, support)
   end function recon_options_neighbours
+
+  function recon_options_ellipsoids(options, tensors) result(status)
+    type(recon_options), intent(in) :: options
+    type(recon_array), intent(in) :: tensors
+    integer(c_int) :: status
+    status = c_options_ellipsoids(options%handle, tensors)
+  end function recon_options_ellipsoids
 
   ! ---- particles that are kept -------------------------------------------------------------------
 

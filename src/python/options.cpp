@@ -7,6 +7,7 @@
 
 #include "bindings/named_options.hpp"
 #include "recon/grid/reconstruct_on_grid.hpp"
+#include "recon/neighbourhood/support_tensor.hpp"
 
 namespace recon::python {
 namespace {
@@ -90,7 +91,8 @@ Array<Index> array_of(py::handle object, const char* name) {
 }
 
 OwnList make_list(py::handle offsets, py::handle indices, py::handle support, py::handle shifts,
-                  py::handle pair_support, double support_factor) {
+                  py::handle pair_support, double support_factor, py::handle tensor,
+                  py::handle pair_tensor) {
   OwnList own;
   own.list.offsets = array_of<std::int64_t>(offsets, "offsets");
   own.list.indices = array_of<ParticleIndex>(indices, "indices");
@@ -117,12 +119,26 @@ OwnList make_list(py::handle offsets, py::handle indices, py::handle support, py
     }
   }
   own.list.support_factor = support_factor;
+  const auto fill_tensors = [](py::handle from, const char* name, Array<double>& to) {
+    if (from.is_none()) return;
+    const Field<double> field = field_of<double>(from, {}, name);
+    for (std::size_t i = 0; i < field.view.size(); ++i)
+      for (int c = 0; c < field.view.components(); ++c) to.push_back(field.view(i, c));
+  };
+  fill_tensors(tensor, "tensor", own.list.tensor);
+  fill_tensors(pair_tensor, "pair_tensor", own.list.pair_tensor);
   return own;
 }
 
 template <class T>
 py::array copy_of(const Array<T>& numbers) {
   return py::array_t<T>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+}
+
+// Packed tensors, a row for each; None where there are none.
+py::object tensors_of(const Array<double>& numbers, std::size_t rows) {
+  if (numbers.empty() || rows == 0) return py::none();
+  return copy_of(numbers).attr("reshape")(rows, numbers.size() / rows);
 }
 
 // What Python calls the periodic domain: as many axes as it was made with.
@@ -274,6 +290,13 @@ Neighbours neighbours_of(py::handle object, const Rows& rows) {
   NearestWithin within(1, 1);
   RadiiRule radii;
   PairRadiiRule pairs;
+  EllipsoidsRule ellipsoids;
+  PairEllipsoidsRule pair_ellipsoids;
+  const auto tensors = [&](py::handle numbers, const char* name, const Rows& of) {
+    Field<double> field = field_of<double>(numbers, of, name);
+    for (py::object& array : field.kept) out.kept.push_back(std::move(array));
+    return field.view;
+  };
   const auto view = [&](py::handle numbers, const char* name, const Rows* of) {
     py::array_t<double> array = numbers_of(numbers, name, of);
     out.kept.push_back(array);
@@ -292,6 +315,15 @@ Neighbours neighbours_of(py::handle object, const Rows& rows) {
     if (!pairs.targets.is_none())
       rule.targets = view(pairs.targets, "radii of the targets", nullptr);
     out.rule = rule;
+  } else if (set_member(object, ellipsoids)) {
+    out.rule = Ellipsoids{tensors(ellipsoids.tensors, "tensors", {})};
+  } else if (set_member(object, pair_ellipsoids)) {
+    PairEllipsoids rule{tensors(pair_ellipsoids.particles, "tensors of the particles", rows),
+                        {},
+                        pair_ellipsoids.support};
+    if (!pair_ellipsoids.targets.is_none())
+      rule.targets = tensors(pair_ellipsoids.targets, "tensors of the targets", {});
+    out.rule = rule;
   } else if (py::isinstance<OwnList>(object)) {
     out.list = object.cast<const OwnList&>().list;
     if (rows.shown) {  // from the caller's rows to particles
@@ -306,29 +338,56 @@ Neighbours neighbours_of(py::handle object, const Rows& rows) {
     }
   } else {
     throw_invalid("neighbours", text_of(py::repr(object)),
-                  "must be a Radius, Radii, Nearest, NearestWithin, PairRadii or NeighbourList");
+                  "must be a Radius, Radii, Nearest, NearestWithin, PairRadii, Ellipsoids, "
+                  "PairEllipsoids or NeighbourList");
   }
   return out;
 }
 
-template <class Scalar>
-NeighbourList<Scalar> list_as(NeighbourList<double> list) {
-  if constexpr (std::is_same_v<Scalar, double>) {
+namespace {
+
+template <class To, class From>
+NeighbourList<To> converted(NeighbourList<From> list) {
+  if constexpr (std::is_same_v<To, From>) {
     return list;
   } else {
-    NeighbourList<Scalar> out;
+    const auto numbers = [](const Array<From>& from) {
+      Array<To> to;
+      to.reserve(from.size());
+      for (const From number : from) to.push_back(static_cast<To>(number));
+      return to;
+    };
+    NeighbourList<To> out;
     out.offsets = std::move(list.offsets);
     out.indices = std::move(list.indices);
     out.shifts = std::move(list.shifts);
-    out.support_factor = static_cast<Scalar>(list.support_factor);
-    for (const double support : list.support) out.support.push_back(static_cast<Scalar>(support));
-    for (const double support : list.pair_support)
-      out.pair_support.push_back(static_cast<Scalar>(support));
+    out.support_factor = static_cast<To>(list.support_factor);
+    out.support = numbers(list.support);
+    out.pair_support = numbers(list.pair_support);
+    out.tensor = numbers(list.tensor);
+    out.pair_tensor = numbers(list.pair_tensor);
     return out;
   }
 }
+
+}  // namespace
+
+template <class Scalar>
+NeighbourList<Scalar> list_as(NeighbourList<double> list) {
+  return converted<Scalar>(std::move(list));
+}
 template NeighbourList<float> list_as(NeighbourList<double>);
 template NeighbourList<double> list_as(NeighbourList<double>);
+
+template <class Scalar>
+OwnList own_list(NeighbourList<Scalar> list, const Rows& rows) {
+  OwnList own{converted<double>(std::move(list))};
+  if (rows.shown)
+    for (ParticleIndex& index : own.list.indices) index = (*rows.shown)[index];
+  return own;
+}
+template OwnList own_list(NeighbourList<float>, const Rows&);
+template OwnList own_list(NeighbourList<double>, const Rows&);
 
 Choice choice_of(const py::dict& keywords, const Rows& rows) {
   Choice choice;
@@ -449,6 +508,53 @@ support : {"particle", "mean", "larger"}
            py::arg("particles"), py::arg("targets") = py::none(), py::arg("support") = "particle")
       .def_readonly("particles", &PairRadiiRule::particles)
       .def_readonly("targets", &PairRadiiRule::targets);
+  py::class_<EllipsoidsRule>(
+      m, "Ellipsoids", R"(Supports that are ellipsoids of any orientation, one for each target.
+
+Parameters
+----------
+tensors : array_like, shape (m, D, D) or packed (m, D (D + 1) / 2)
+    Support tensors A, lengths: q = |A^-1 (x_p - x)|. Symmetric, positive definite; the eigenvalues
+    are the half axes.)")
+      .def(py::init([](py::object tensors) { return EllipsoidsRule{std::move(tensors)}; }),
+           py::arg("tensors"))
+      .def_readonly("tensors", &EllipsoidsRule::tensors);
+  py::class_<PairEllipsoidsRule>(m, "PairEllipsoids",
+                                 R"(Ellipsoids that belong to the particles, for radial weights.
+
+Parameters
+----------
+particles : array_like, shape (n, D, D) or packed (n, D (D + 1) / 2)
+    The support tensor of each particle, lengths.
+targets : array_like, optional
+    That of each target, for `support` "mean".
+support : {"particle", "mean"})")
+      .def(py::init([](py::object particles, py::object targets, py::object support) {
+             return PairEllipsoidsRule{std::move(particles), std::move(targets),
+                                       enumerator(support, "support", &bindings::pair_support_of)};
+           }),
+           py::arg("particles"), py::arg("targets") = py::none(), py::arg("support") = "particle")
+      .def_readonly("particles", &PairEllipsoidsRule::particles)
+      .def_readonly("targets", &PairEllipsoidsRule::targets);
+  m.def(
+      "support_tensors",
+      [](py::object half_axes) {
+        const Field<double> field = field_of<double>(half_axes, {}, "half_axes");
+        std::vector<double> packed = support_tensors(field.view);
+        return vector_array(std::move(packed)).attr("reshape")(field.view.size(), -1);
+      },
+      py::arg("half_axes"),
+      R"(The packed tensors (F F^T)^(1/2) of matrices whose columns are half axes.
+
+Parameters
+----------
+half_axes : array_like, shape (n, D, D)
+    Of parallelepipeds: particles that have been deformed.
+
+Returns
+-------
+array, shape (n, D (D + 1) / 2)
+    xx, xy, xz, yy, yz, zz as far as the dimension has them.)");
   py::class_<OwnList>(m, "NeighbourList", R"(Who is near whom, as a compressed sparse row list.
 
 Parameters
@@ -464,10 +570,20 @@ shifts : array_like of int, shape (len(indices), D), optional
 pair_support : array_like, optional
     The support radius of each pair, a length, one for each index.
 support_factor : float
-    0 where supports stand still while a target moves, else the factor of `Nearest`.)")
+    0 where supports stand still while a target moves, else the factor of `Nearest`.
+tensor, pair_tensor : array_like, shape (m, D (D + 1) / 2) and (len(indices), D (D + 1) / 2), optional
+    Packed support tensors of the targets and of the pairs, for supports that are ellipsoids.)")
       .def(py::init(&make_list), py::arg("offsets"), py::arg("indices"), py::arg("support"),
            py::arg("shifts") = py::none(), py::arg("pair_support") = py::none(),
-           py::arg("support_factor") = 0.0)
+           py::arg("support_factor") = 0.0, py::arg("tensor") = py::none(),
+           py::arg("pair_tensor") = py::none())
+      .def_property_readonly(
+          "tensor",
+          [](const OwnList& own) { return tensors_of(own.list.tensor, own.list.targets()); })
+      .def_property_readonly("pair_tensor",
+                             [](const OwnList& own) {
+                               return tensors_of(own.list.pair_tensor, own.list.indices.size());
+                             })
       .def_property_readonly("offsets",
                              [](const OwnList& own) { return copy_of(own.list.offsets); })
       .def_property_readonly(

@@ -20,6 +20,14 @@ struct PairRadiiRule {
   py::object particles, targets;
   PairSupport support;
 };
+// As above, with tensors.
+struct EllipsoidsRule {
+  py::object tensors;
+};
+struct PairEllipsoidsRule {
+  py::object particles, targets;
+  PairSupport support;
+};
 // A list of neighbours of the caller's, in double; `list` has the numbers of the caller's rows.
 struct OwnList {
   NeighbourList<double> list;
@@ -33,9 +41,11 @@ struct Neighbours {
 };
 Neighbours neighbours_of(py::handle object, const Rows& rows);
 
-// A list in the precision of its fit.
+// A list in the precision of its fit, and one of a fit in double, in the rows of the caller.
 template <class Scalar>
 NeighbourList<Scalar> list_as(NeighbourList<double> list);
+template <class Scalar>
+OwnList own_list(NeighbourList<Scalar> list, const Rows& rows);
 
 struct Choice {
   Options options;

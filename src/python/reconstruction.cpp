@@ -469,17 +469,7 @@ kind : {"exact", "diffuse"}
             const py::gil_scoped_release release;
             return std::visit(
                 [&](const auto& reconstruction) {
-                  auto list = reconstruction.neighbours();
-                  OwnList out;
-                  out.list.offsets = std::move(list.offsets);
-                  out.list.indices = std::move(list.indices);
-                  out.list.shifts = std::move(list.shifts);
-                  out.list.support.assign(list.support.begin(), list.support.end());
-                  out.list.pair_support.assign(list.pair_support.begin(), list.pair_support.end());
-                  out.list.support_factor = static_cast<double>(list.support_factor);
-                  if (f.rows.shown)
-                    for (ParticleIndex& index : out.list.indices) index = (*f.rows.shown)[index];
-                  return out;
+                  return own_list(reconstruction.neighbours(), f.rows);
                 },
                 f.fit);
           },

@@ -83,7 +83,8 @@ OwnList find(const PySources& self, py::handle targets_object, py::handle neighb
   const Neighbours rule = rule_of(neighbours, radius, nearest, self.cloud->rows);
   if (!rule.rule)
     throw_invalid("neighbours", "no rule",
-                  "must be a rule: Radius, Radii, Nearest, NearestWithin, PairRadii");
+                  "must be a rule: Radius, Radii, Nearest, NearestWithin, PairRadii, Ellipsoids, "
+                  "PairEllipsoids");
   NeighbourOptions options;
   const std::string name = enumerator_name(shape, "shape");
   if (name != "ball" && name != "cube")
@@ -95,22 +96,12 @@ OwnList find(const PySources& self, py::handle targets_object, py::handle neighb
   const Rows rows = self.cloud->rows;
   const py::gil_scoped_release release;
   return with_sources(*self.cloud, [&](const auto& sources) {
-    OwnList own;
-    const auto take = [&](auto list) {
-      own.list.offsets = std::move(list.offsets);
-      own.list.indices = std::move(list.indices);
-      own.list.shifts = std::move(list.shifts);
-      own.list.support.assign(list.support.begin(), list.support.end());
-      own.list.pair_support.assign(list.pair_support.begin(), list.pair_support.end());
-      own.list.support_factor = static_cast<double>(list.support_factor);
-    };
     if constexpr (std::is_same_v<std::decay_t<decltype(sources)>, SourcesF>)
-      take(recon::find_neighbours(sources, targets.as<float>(), *rule.rule, options));
+      return own_list(recon::find_neighbours(sources, targets.as<float>(), *rule.rule, options),
+                      rows);
     else
-      take(recon::find_neighbours(sources, targets.as<double>(), *rule.rule, options));
-    if (rows.shown)
-      for (ParticleIndex& index : own.list.indices) index = (*rows.shown)[index];
-    return own;
+      return own_list(recon::find_neighbours(sources, targets.as<double>(), *rule.rule, options),
+                      rows);
   });
 }
 

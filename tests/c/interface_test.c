@@ -265,6 +265,28 @@ static void lists_of_ones_own(void) {
   recon_options_free(options);
 }
 
+static void supports_that_are_ellipsoids(void) {
+  recon_options *options = NULL, *radius = NULL;
+  recon_fit *fit = NULL, *ball = NULL;
+  double tensors[m][3], one[m], other[m];
+  for (int t = 0; t < m; ++t) tensors[t][0] = tensors[t][2] = 0.3, tensors[t][1] = 0;
+  CHECK(recon_options_new(&options) == RECON_OK && recon_options_new(&radius) == RECON_OK);
+  CHECK(recon_options_ellipsoids(options, recon_doubles(&tensors[0][0], m, 3)) == RECON_OK);
+  CHECK(recon_options_number(radius, "radius", 0.3) == RECON_OK);
+  CHECK(recon_reconstruct(all_points(), all_targets(), options, &fit) == RECON_OK);
+  CHECK(recon_reconstruct(all_points(), all_targets(), radius, &ball) == RECON_OK);
+  CHECK(recon_fit_apply(fit, recon_doubles(u, n, 1), recon_doubles(one, m, 1)) == RECON_OK);
+  CHECK(recon_fit_apply(ball, recon_doubles(u, n, 1), recon_doubles(other, m, 1)) == RECON_OK);
+  for (int t = 0; t < m; ++t) CHECK(fabs(one[t] - other[t]) < 1e-11);
+  CHECK(recon_options_number(options, "radius", 0.3) == RECON_OK);
+  recon_fit_free(fit);
+  CHECK_MESSAGE(recon_reconstruct(all_points(), all_targets(), options, &fit),
+                RECON_INVALID_ARGUMENT, "say one of them");
+  recon_fit_free(ball);
+  recon_options_free(options);
+  recon_options_free(radius);
+}
+
 static int say_no(double fraction, void* calls) {
   *(int*)calls += fraction >= 0;
   return 0;
@@ -380,6 +402,7 @@ int main(int count, char** arguments) {
   operators_add_up();
   grids_and_limits();
   lists_of_ones_own();
+  supports_that_are_ellipsoids();
   long_calls_can_be_cancelled();
   slips_are_named();
   if (count > 1) files_are_read(arguments[1]);

@@ -235,6 +235,32 @@ def test_short_forms_are_what_they_stand_for() -> None:
     assert fit.neighbours().pair_support is not None
 
 
+def test_supports_that_are_ellipsoids() -> None:
+    x, t = jittered(14, 2), inner(20, 2)
+    u = quadratic(x)
+    balls = np.broadcast_to(0.3 * np.eye(2), (20, 2, 2))
+    plain = recon.reconstruct(x, t, radius=0.3) @ u
+    np.testing.assert_allclose(recon.reconstruct(x, t, neighbours=recon.Ellipsoids(balls)) @ u, plain, rtol=1e-10)
+    packed = recon.support_tensors(balls)
+    np.testing.assert_allclose(packed, [[0.3, 0, 0.3]] * 20, atol=1e-15)
+    fit = recon.reconstruct(x, t, neighbours=recon.Ellipsoids(packed))
+    np.testing.assert_allclose(fit @ u, plain, rtol=1e-10)
+    pairs = np.broadcast_to(0.3 * np.eye(2), (len(x), 2, 2))
+    fit = recon.reconstruct(x, t, neighbours=recon.PairEllipsoids(pairs))
+    np.testing.assert_allclose(fit @ u, plain, rtol=1e-9)
+    found = fit.neighbours()
+    assert found.pair_tensor is not None and found.pair_tensor.shape == (len(found.indices), 3)
+    # Ellipses along x, turned by 90 degrees: those of stretched supports.
+    long = np.broadcast_to(np.diag([0.4, 0.2]), (20, 2, 2))
+    np.testing.assert_allclose(
+        recon.reconstruct(x, t, neighbours=recon.Ellipsoids(long)) @ u,
+        recon.reconstruct(x, t, radius=1, stretch=(0.4, 0.2)) @ u,
+        rtol=1e-9,
+    )
+    with pytest.raises(recon.InvalidArgument):
+        recon.reconstruct(x, t, neighbours=recon.Ellipsoids(-long))
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -17,6 +17,7 @@ InvalidArgument (a ValueError) that names the argument, the value and the rule; 
 from . import mpm, plot
 from ._recon import (
     Cancelled,
+    Ellipsoids,
     FileError,
     FitReports,
     FitTolerances,
@@ -30,6 +31,7 @@ from ._recon import (
     NearestWithin,
     NeighbourList,
     Operator,
+    PairEllipsoids,
     PairRadii,
     ParticleTable,
     PeriodicDomain,
@@ -43,6 +45,7 @@ from ._recon import (
     cell_centres,
     covering_grid,
     default_threads,
+    support_tensors,
 )
 from .enumerators import (
     Derivative,
@@ -70,6 +73,7 @@ from .functions import (
 __all__ = [
     "Cancelled",
     "Derivative",
+    "Ellipsoids",
     "FileError",
     "FitReports",
     "FitStatus",
@@ -86,6 +90,7 @@ __all__ = [
     "NearestWithin",
     "NeighbourList",
     "Operator",
+    "PairEllipsoids",
     "PairRadii",
     "ParticleTable",
     "PeriodicDomain",
@@ -114,6 +119,7 @@ __all__ = [
     "read",
     "read_frames",
     "reconstruct",
+    "support_tensors",
     "write",
 ]
 

@@ -12,7 +12,7 @@ _Array = npt.NDArray[Any]
 _Field = Union[npt.ArrayLike, tuple[npt.ArrayLike, ...]]
 _Targets = Union[npt.ArrayLike, tuple[npt.ArrayLike, ...], StructuredGrid]
 _Points = Union[npt.ArrayLike, tuple[npt.ArrayLike, ...], ParticleTable]
-_Rule = Union[Radius, Radii, Nearest, NearestWithin, PairRadii]
+_Rule = Union[Radius, Radii, Nearest, NearestWithin, PairRadii, Ellipsoids, PairEllipsoids]
 _Path = Union[str, os.PathLike[str]]
 
 __version__: str
@@ -65,6 +65,19 @@ class PairRadii:
         self, particles: npt.ArrayLike, targets: npt.ArrayLike | None = ..., support: str = ...
     ) -> None: ...
 
+class Ellipsoids:
+    tensors: Any
+    def __init__(self, tensors: npt.ArrayLike) -> None: ...
+
+class PairEllipsoids:
+    particles: Any
+    targets: Any
+    def __init__(
+        self, particles: npt.ArrayLike, targets: npt.ArrayLike | None = ..., support: str = ...
+    ) -> None: ...
+
+def support_tensors(half_axes: npt.ArrayLike) -> npt.NDArray[np.float64]: ...
+
 class NeighbourList:
     def __init__(
         self,
@@ -74,6 +87,8 @@ class NeighbourList:
         shifts: npt.ArrayLike | None = ...,
         pair_support: npt.ArrayLike | None = ...,
         support_factor: float = ...,
+        tensor: npt.ArrayLike | None = ...,
+        pair_tensor: npt.ArrayLike | None = ...,
     ) -> None: ...
     @property
     def offsets(self) -> npt.NDArray[np.int64]: ...
@@ -85,6 +100,10 @@ class NeighbourList:
     def shifts(self) -> npt.NDArray[np.int8] | None: ...
     @property
     def pair_support(self) -> npt.NDArray[np.float64] | None: ...
+    @property
+    def tensor(self) -> npt.NDArray[np.float64] | None: ...
+    @property
+    def pair_tensor(self) -> npt.NDArray[np.float64] | None: ...
     @property
     def support_factor(self) -> float: ...
     def __len__(self) -> int: ...

@@ -20,6 +20,8 @@ Rule = Union[
     _recon.Nearest,
     _recon.NearestWithin,
     _recon.PairRadii,
+    _recon.Ellipsoids,
+    _recon.PairEllipsoids,
     _recon.NeighbourList,
 ]
 AnyWeight = Union[str, Weight, _recon.Gaussian, _recon.InverseDistance, "_recon.OwnWeight"]
@@ -76,7 +78,7 @@ def reconstruct(
         The support radius, a length: the same as ``neighbours=Radius(radius)``.
     nearest : int
         The number of nearest particles; with `radius` those of them that lie within it.
-    neighbours : Radius, Radii, Nearest, NearestWithin, PairRadii or NeighbourList
+    neighbours : Radius, Radii, Nearest, NearestWithin, PairRadii, Ellipsoids, PairEllipsoids or NeighbourList
         By default the nearest 2 * terms + 1; for a grid the natural support of the B-spline.
     weight : str, Weight, Gaussian, InverseDistance or an object with __call__(q) and derivative(q)
         w(q), default "cubic_b_spline".
@@ -323,7 +325,7 @@ def find_neighbours(
     ----------
     sources : Sources or array_like, shape (n, D)
     targets : array_like, shape (m, D)
-    neighbours : Radius, Radii, Nearest, NearestWithin or PairRadii
+    neighbours : Radius, Radii, Nearest, NearestWithin, PairRadii, Ellipsoids or PairEllipsoids
     radius, nearest : optional
         Short forms of these.
     shape : {"ball", "cube"}
