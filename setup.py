@@ -26,6 +26,7 @@ setup(
     install_requires=["numpy"],
     extras_require={"plot": ["matplotlib"], "sparse": ["scipy"]},
     cmake_source_dir="src/python",
+    cmake_install_dir="src/python",
     cmake_install_target="install-python",
     cmake_args=shlex.split(os.environ.get("CMAKE_ARGS", "")),
 )

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <memory>
 
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 
 namespace recon_bench {
 namespace {

@@ -2,6 +2,7 @@
 #   librecon0.2   the shared libraries
 #   librecon-dev  headers, CMake and pkg-config files
 #   recon-tools   the programs
+#   python3-recon the module for the system's Python
 set(CPACK_PACKAGE_NAME recon)
 set(CPACK_PACKAGE_VENDOR recon)
 set(CPACK_PACKAGE_CONTACT "the recon developers")
@@ -9,6 +10,9 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL libraries development programs)
+if(TARGET recon_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 
 set(library librecon${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -33,4 +37,11 @@ set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME recon-tools)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_COMPONENT_PROGRAMS_DEPENDS libraries)
 set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION "${PROJECT_DESCRIPTION}: the programs recon and recon-mpm")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-recon)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-scipy, python3-matplotlib")
+set(CPACK_COMPONENT_PYTHON_DEPENDS libraries)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "${PROJECT_DESCRIPTION}: the module for Python")
 include(CPack)

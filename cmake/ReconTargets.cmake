@@ -137,7 +137,7 @@ function(recon_install_packages)
     install(FILES cmake/ReconHdf5.cmake DESTINATION ${package_dir} COMPONENT development)
   endif()
 
-  # The same for pkg-config: recon, recon-io, recon-mpm.
+  # The same for pkg-config: recon, recon-io, recon-mpm, recon-c.
   set(openmp)
   if(RECON_HAS_OPENMP AND RECON_STATIC)
     set(openmp ${OpenMP_CXX_FLAGS})
@@ -148,6 +148,9 @@ function(recon_install_packages)
   endif()
   if(RECON_HAS_MPM)
     recon_install_pkg_config(recon-mpm recon_mpm "recon-io = ${PROJECT_VERSION}" "muparser, hdf5" "")
+  endif()
+  if(RECON_HAS_C)
+    recon_install_pkg_config(recon-c recon_c "" "recon-mpm = ${PROJECT_VERSION}" -lstdc++)
   endif()
 endfunction()
 

@@ -16,7 +16,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import recon
-import recon.plot
 
 folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "out/gallery")
 folder.mkdir(parents=True, exist_ok=True)

@@ -12,6 +12,7 @@
 //   the reconstruction   reconstruct              operators/reconstruct.hpp
 //   derivatives          Functional               operators/functional.hpp
 //   particles kept       Sources                  neighbourhood/sources.hpp
+//   supports             Radius, Ellipsoids, ...  neighbourhood/find_neighbours.hpp
 //   what became of it    FitReport, FitReports    local_solve/report.hpp, operators/fit_summary.hpp
 //   grids of targets     StructuredGrid           points/structured_grid.hpp
 //   nodes of a grid      reconstruct_on_grid      grid/reconstruct_on_grid.hpp, mostly without

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "bindings/named_options.hpp"
-#include "recon/mpm/simulation.hpp"
 #include "recon/runs/ledger.hpp"
 #include "recon/runs/read_problem.hpp"
 #include "recon/runs/run.hpp"
+#include "recon/runs/simulation.hpp"
 
 namespace recon::bindings {
 namespace {

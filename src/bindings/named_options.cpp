@@ -59,7 +59,7 @@ const Known& find(std::string_view name) {
 
 int whole_int(const char* argument, double number) {
   require(number == std::floor(number) && std::abs(number) <= 1e9, argument, number,
-          "must be a whole number");
+          "must be a whole number of at most 1e9");
   return static_cast<int>(number);
 }
 

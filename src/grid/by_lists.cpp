@@ -50,6 +50,10 @@ FieldSpan<Scalar> part_of(Matrix<Scalar>& matrix, std::size_t first, std::size_t
 // The rule for some of the targets.
 NeighbourRule part_of(const NeighbourRule& rule, std::size_t first, std::size_t count) {
   if (const auto* own = std::get_if<Radii>(&rule)) return Radii{own->radii.subspan(first, count)};
+  if (const auto* own = std::get_if<Ellipsoids>(&rule))
+    return Ellipsoids{own->tensors.part(first, count)};
+  if (const auto* pairs = std::get_if<PairEllipsoids>(&rule); pairs && pairs->targets.size() > 0)
+    return PairEllipsoids{pairs->particles, pairs->targets.part(first, count), pairs->support};
   const auto* pairs = std::get_if<PairRadii>(&rule);
   if (!pairs || pairs->targets.empty()) return rule;
   return PairRadii{pairs->particles, pairs->targets.subspan(first, count), pairs->support};
@@ -78,7 +82,7 @@ BasicGridReconstruction<Scalar> by_lists(const BasicSources<Scalar>& sources,
                                          const StructuredGrid<Scalar>& grid, Options options,
                                          const GridApply& apply) {
   const std::size_t nodes = grid.size();
-  detail::require_valid_rule<Scalar>(*options.neighbours, nodes, sources.size());
+  detail::require_valid_rule<Scalar>(*options.neighbours, grid.dimension, nodes, sources.size());
   options.domain = {};  // the Sources have it, and the stretch and the weights
   options.stretch = SourcesOptions{}.stretch;
   options.particle_weights = {};

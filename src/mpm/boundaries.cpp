@@ -1,10 +1,10 @@
-#include "mpm/brief.hpp"
+#include "core/brief.hpp"
 #include "mpm/policies.hpp"
 
 namespace recon::mpm {
 
 template <int D>
-BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : problem_(problem) {
+BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem) {
   const Grid<D>& grid = problem.grid;
   for (const Boundary<D>& boundary : problem.boundaries) {
     const auto plane = static_cast<std::size_t>(
@@ -41,7 +41,7 @@ void BoundaryPolicy<D>::rest(std::vector<Vector<D>>& velocity) const {
 
 template <int D>
 void BoundaryPolicy<D>::keep_inside(std::size_t begin, std::size_t end, State<D>& s) const {
-  const Grid<D>& grid = problem_.grid;
+  const Grid<D>& grid = this->problem_.grid;
   const double margin = 1e-3 * grid.h();  // that a particle is put back
   for (std::size_t p = begin; p < end; ++p) {
     Vector<D>& x = s.particles.x[p];
@@ -53,7 +53,7 @@ void BoundaryPolicy<D>::keep_inside(std::size_t begin, std::size_t end, State<D>
     if (!x.allFinite()) throw Failure(s.steps, "particle", p, "its position is not finite");
     if (grid.contains(x)) continue;
     std::string at;
-    for (int d = 0; d < D; ++d) at += (d ? ", " : "") + brief(x[d], 9);
+    for (int d = 0; d < D; ++d) at += (d ? ", " : "") + recon::detail::brief(x[d], 9);
     throw Failure(s.steps, "particle", p, "it left the grid at (" + at + ")");
   }
 }

@@ -1,49 +1,10 @@
 // v_i = p_i / m_i and a_i = f_i / m_i + g, or M v = p and M a = f + M g with the consistent mass
 // M_ij = sum_p m_p S_ip S_jp (Andersen, Andersen 2007, eq. 10, 17).
-#include <Eigen/SparseCholesky>
-
-#include "mpm/brief.hpp"
+#include "core/brief.hpp"
 #include "mpm/policies.hpp"
 
 namespace recon::mpm {
 namespace {
-
-using Sparse = Eigen::SparseMatrix<double>;
-using Cholesky = Eigen::SimplicialLDLT<Sparse>;
-
-constexpr double least_pivot = 1e-11;  // of the diagonal: below it rounding decides
-
-// `full` with the rows and columns of the nodes outside of `free` made those of the unit matrix.
-Sparse restricted(const Sparse& full, const std::vector<bool>& free) {
-  MassEntries kept;
-  for (int column = 0; column < full.outerSize(); ++column) {
-    if (!free[column]) {
-      kept.emplace_back(column, column, 1);
-      continue;
-    }
-    for (Sparse::InnerIterator entry(full, column); entry; ++entry)
-      if (free[entry.row()])
-        kept.emplace_back(static_cast<int>(entry.row()), column, entry.value());
-  }
-  Sparse made(full.rows(), full.cols());
-  made.setFromTriplets(kept.begin(), kept.end());
-  return made;
-}
-
-// The first pivot that is too small is that of the node which is not determined; one that is
-// zero ends the factorisation, so those after it are not looked at.
-void factor(Cholesky& cholesky, const Sparse& matrix, std::int64_t step) {
-  cholesky.compute(matrix);
-  const Eigen::VectorXd pivots = cholesky.vectorD(), diagonal = matrix.diagonal();
-  const auto& place = cholesky.permutationPinv().indices();
-  for (Eigen::Index k = 0; k < pivots.size(); ++k) {
-    const int node = place.size() > 0 ? place[k] : static_cast<int>(k);
-    if (pivots[k] > least_pivot * diagonal[node]) continue;
-    throw Failure(step, "node", static_cast<std::size_t>(node),
-                  "the consistent mass matrix is singular: the particles near this node do not "
-                  "determine its velocity; use lumped mass, or more particles");
-  }
-}
 
 template <int D>
 class ConsistentMass : public MassPolicy<D> {
@@ -55,51 +16,47 @@ class ConsistentMass : public MassPolicy<D> {
                   Nodes<D>& nodes) const override {
     MassPolicy<D>::accelerate(s, from, boundaries, nodes);
     const Particles<D>& particles = s.particles;
-    const Grid<D>& grid = this->problem_.grid;
-    with_shape(this->problem_.method, [&](auto shape_of) {
+    const Problem<D>& problem = this->problem_;
+    with_shape(problem.method, [&](auto shape_of) {
       typename decltype(shape_of)::template Nodes<D> shape;
       for (std::size_t p = 0; p < particles.size(); ++p) {
-        if (from.leaves_out(grid, particles.x[p])) continue;
-        shape_of.shape(grid, particles, p, shape);
+        if (from.leaves_out(problem.grid, particles.x[p])) continue;
+        shape_of.shape(problem.grid, particles, p, shape);
         add_mass(shape, particles.mass[p], nodes.mass_entries);
       }
     });
-    solve(s, boundaries, nodes);
-  }
+    nodes.mass_matrix = mass_matrix(nodes.mass.size(), nodes.mass_entries);
 
- private:
-  void solve(const State<D>& s, const BoundaryPolicy<D>& boundaries, Nodes<D>& nodes) const {
     const double lightest = lightest_node * nodes.heaviest();
-    const auto count = static_cast<int>(nodes.mass.size());
-    nodes.mass_matrix.resize(count, count);
-    nodes.mass_matrix.setFromTriplets(nodes.mass_entries.begin(), nodes.mass_entries.end());
-    std::vector<bool> heavy(nodes.mass.size());
+    std::vector<bool> heavy(nodes.mass.size()), factored;
     for (std::size_t i = 0; i < heavy.size(); ++i) heavy[i] = std::abs(nodes.mass[i]) > lightest;
-
-    Cholesky cholesky;
-    const Sparse full = restricted(nodes.mass_matrix, heavy);
-    factor(cholesky, full, s.steps);
-    std::vector<bool> factored = heavy;
-    Eigen::VectorXd right(count);
-    for (int d = 0; d < D; ++d) {
-      for (int i = 0; i < count; ++i) right[i] = heavy[i] ? nodes.momentum[i][d] : 0;
-      const Eigen::VectorXd velocity = cholesky.solve(right);
-      for (int i = 0; i < count; ++i)
-        if (heavy[i]) nodes.mapped[i][d] = velocity[i];
-    }
+    MassSolver solver;
+    // Component d of M x = right at the free nodes.
+    const auto solve = [&](const std::vector<bool>& free, int d, const auto& right,
+                           std::vector<Vector<D>>& x) {
+      if (free != factored)
+        if (const auto node = solver.factor(nodes.mass_matrix, free))
+          throw Failure(s.steps, "node", *node,
+                        "the consistent mass matrix is singular: the particles near this node do "
+                        "not determine its velocity; use lumped mass, or more particles");
+      factored = free;
+      Eigen::VectorXd component(nodes.mass_matrix.rows());
+      for (std::size_t i = 0; i < x.size(); ++i) component[static_cast<int>(i)] = right(i);
+      component = solver.solve(component);
+      for (std::size_t i = 0; i < x.size(); ++i)
+        if (heavy[i]) x[i][d] = component[static_cast<int>(i)];
+    };
+    for (int d = 0; d < D; ++d)
+      solve(
+          heavy, d, [&](std::size_t i) { return nodes.momentum[i][d]; }, nodes.mapped);
     for (int d = 0; d < D; ++d) {
       std::vector<bool> free = heavy;
       for (const auto& each : boundaries.held())
         if (each.axis == d) free[each.node] = false;
-      if (free != factored) {
-        factor(cholesky, restricted(full, free), s.steps);
-        factored = free;
-      }
-      for (int i = 0; i < count; ++i)
-        right[i] = free[i] ? nodes.force[i][d] + nodes.mass[i] * this->problem_.gravity[d] : 0;
-      const Eigen::VectorXd acceleration = cholesky.solve(right);
-      for (int i = 0; i < count; ++i)
-        if (heavy[i]) nodes.acceleration[i][d] = acceleration[i];
+      const auto force = [&](std::size_t i) {
+        return nodes.force[i][d] + nodes.mass[i] * problem.gravity[d];
+      };
+      solve(free, d, force, nodes.acceleration);
     }
   }
 };
@@ -117,7 +74,7 @@ void MassPolicy<D>::accelerate(const State<D>&, const FromParticles&, const Boun
     nodes.acceleration[i].setZero();
     if (nodes.mass[i] == 0) continue;
     nodes.mapped[i] = nodes.momentum[i] / nodes.mass[i];
-    nodes.acceleration[i] = problem_.gravity;
+    nodes.acceleration[i] = this->problem_.gravity;
     if (std::abs(nodes.mass[i]) > lightest) nodes.acceleration[i] += nodes.force[i] / nodes.mass[i];
   }
 }
@@ -125,7 +82,7 @@ void MassPolicy<D>::accelerate(const State<D>&, const FromParticles&, const Boun
 template <int D>
 void MassPolicy<D>::watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const {
   nodes.negative = 0;
-  const Method& method = problem_.method;
+  const Method& method = this->problem_.method;
   const bool elements = is_element(method.basis);
   if (!elements && method.quadrature == Quadrature::particles) return;
   const double lightest = lightest_node * nodes.heaviest();
@@ -140,9 +97,9 @@ void MassPolicy<D>::watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) 
     if (sign >= 0) continue;
     ++nodes.negative;
     if (!signs.negative) signs.negative = found;
-    if (method.stop_at_negative_mass)
+    if (method.at_negative_mass == AtNegativeMass::stop)
       throw Failure(step, "node", i,
-                    "its mass is negative (" + brief(mass) + "): " +
+                    "its mass is negative (" + recon::detail::brief(mass) + "): " +
                         (elements ? "the functions of " + std::string(name_of(method.basis)) +
                                         " are negative in parts"
                                   : "the fitted density is, near it"));

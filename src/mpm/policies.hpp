@@ -7,6 +7,8 @@
 
 #include <memory>
 
+#include "core/flatten.hpp"
+#include "recon/core/parallel.hpp"
 #include "recon/mpm/step.hpp"
 
 namespace recon::mpm {
@@ -26,30 +28,36 @@ struct FromParticles {
   }
 };
 
+// What all policies know.
+template <int D>
+class Policy {
+ public:
+  explicit Policy(const Problem<D>& problem) : problem_(problem) {}
+  virtual ~Policy() = default;
+
+ protected:
+  const Problem<D>& problem_;
+};
+
 // Mass and forces of the nodes (and momentum, where the quadrature reconstructs it). This one
 // leaves everything to the particles.
 template <int D>
-class QuadraturePolicy {
+class QuadraturePolicy : public Policy<D> {
  public:
-  explicit QuadraturePolicy(const Problem<D>& problem) : problem_(problem) {}
-  virtual ~QuadraturePolicy() = default;
+  using Policy<D>::Policy;
   // Adds what is integrated over cells, with the body force per mass of the particles, and says
   // what is left to the particles.
   virtual FromParticles over_cells(const State<D>&, const std::vector<Vector<D>>&, Cells<D>&,
                                    Nodes<D>&) const {
     return {};
   }
-
- protected:
-  const Problem<D>& problem_;
 };
 
 // Momentum of the nodes from that of the particles, and fits of it.
 template <int D>
-class MapPolicy {
+class MapPolicy : public Policy<D> {
  public:
-  explicit MapPolicy(const Problem<D>& problem) : problem_(problem) {}
-  virtual ~MapPolicy() = default;
+  using Policy<D>::Policy;
   // Adds the particles' momentum and, as far as the quadrature leaves it to them, mass and force.
   void to_nodes(const State<D>& s, const std::vector<Vector<D>>& b, const FromParticles& from,
                 Nodes<D>& nodes) const;
@@ -59,32 +67,11 @@ class MapPolicy {
  protected:
   // Replaces v_i of the nodes with mass.
   virtual void fit(const State<D>&, Nodes<D>&) const {}
-
-  const Problem<D>& problem_;
-};
-
-template <int D>
-class BoundaryPolicy;
-
-// v_i = p_i / m_i and a_i = f_i / m_i + g.
-template <int D>
-class MassPolicy {
- public:
-  explicit MassPolicy(const Problem<D>& problem) : problem_(problem) {}
-  virtual ~MassPolicy() = default;
-  virtual void accelerate(const State<D>&, const FromParticles&, const BoundaryPolicy<D>&,
-                          Nodes<D>& nodes) const;
-  // Reports the first negative mass and the first change of sign, and stops where that is asked
-  // for.
-  void watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const;
-
- protected:
-  const Problem<D>& problem_;
 };
 
 // The nodes' held velocities, and the walls that particles do not pass.
 template <int D>
-class BoundaryPolicy {
+class BoundaryPolicy : public Policy<D> {
  public:
   // The velocity of a node along an axis is given.
   struct Held {
@@ -105,23 +92,31 @@ class BoundaryPolicy {
   void keep_inside(std::size_t begin, std::size_t end, State<D>& s) const;
 
  private:
-  const Problem<D>& problem_;
   std::vector<Held> held_;
   std::array<std::array<bool, 2>, D> walls_{};  // faces that hold their normal velocity at 0
 };
 
+// v_i = p_i / m_i and a_i = f_i / m_i + g.
+template <int D>
+class MassPolicy : public Policy<D> {
+ public:
+  using Policy<D>::Policy;
+  virtual void accelerate(const State<D>&, const FromParticles&, const BoundaryPolicy<D>&,
+                          Nodes<D>& nodes) const;
+  // Reports the first negative mass and the first change of sign, and stops where that is asked
+  // for.
+  void watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const;
+};
+
 // Forces on the particles from outside.
 template <int D>
-class LoadPolicy {
+class LoadPolicy : public Policy<D> {
  public:
-  explicit LoadPolicy(const Problem<D>& problem) : problem_(problem) {}
+  using Policy<D>::Policy;
   // The body force per mass of each particle; empty: none.
   void body_force(const State<D>& s, std::vector<Vector<D>>& out) const;
   // Adds the loads on single particles to the forces of the nodes.
   void to_nodes(const State<D>& s, Nodes<D>& nodes) const;
-
- private:
-  const Problem<D>& problem_;
 };
 
 // F <- (I + dt L) F, stress, energy and history of a block of particles with the velocity gradients
@@ -135,15 +130,13 @@ void strain_to(const Problem<D>& problem, std::size_t begin, std::size_t end, do
 
 // The way back: v_p, x_p, L_p and what follows from L.
 template <int D>
-class UpdatePolicy {
+class UpdatePolicy : public Policy<D> {
  public:
-  virtual ~UpdatePolicy() = default;
+  using Policy<D>::Policy;
   virtual void move(Step<D>& step, State<D>& s, double dt) const = 0;
 };
 
-// Of the problem's method; the first two are asked by the others.
-template <int D>
-std::unique_ptr<const QuadraturePolicy<D>> make_gauss_quadrature(const Problem<D>& problem);
+// Of the problem's method; the first one is asked by make_update().
 template <int D>
 std::unique_ptr<const UpdatePolicy<D>> make_runge_kutta(const Problem<D>& problem);
 template <int D>
@@ -173,13 +166,22 @@ struct Policies {
   std::unique_ptr<const UpdatePolicy<D>> update;
 };
 
-// Adds mass * S_i S_j for all pairs of nodes to the entries of a consistent mass matrix.
-template <class At>
-void add_mass(const At& at, double mass, MassEntries& entries) {
-  for (std::size_t a = 0; a < at.size(); ++a)
-    for (std::size_t b = 0; b < at.size(); ++b)
-      entries.emplace_back(static_cast<int>(at.node[a]), static_cast<int>(at.node[b]),
-                           mass * at.S[a] * at.S[b]);
+// Calls each(p, shape, scratch) for all particles, with the functions that they see the grid by and
+// one Scratch for each block of them, and done(begin, end) after each block.
+template <class Scratch, int D, class Shape, class Each, class Done>
+void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, const Shape& shape_of,
+                    const Each& each, const Done& done) {
+  // Flattened: with so many shapes the compiler runs out of what it inlines.
+  parallel_blocks(particles.size(), particles_per_block, problem.threads,
+                  [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
+                    typename Shape::template Nodes<D> shape;
+                    Scratch scratch;
+                    for (std::size_t p = begin; p < end; ++p) {
+                      shape_of.shape(problem.grid, particles, p, shape);
+                      each(p, shape, scratch);
+                    }
+                    done(begin, end);
+                  });
 }
 
 // A definition for every dimension.

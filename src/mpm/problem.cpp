@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/finite.hpp"
+#include "core/entries.hpp"
 #include "mpm/modes.hpp"
 
 namespace recon::mpm {
@@ -46,8 +46,7 @@ void Load<D>::validate(std::size_t particles) const {
 
 template <int D>
 Kept Problem<D>::kept() const {
-  Kept kept{method.domain == Domain::cpdi2,
-            static_cast<std::size_t>(mode_count(method.velocity, D)), 0};
+  Kept kept{method.domain == Domain::cpdi2, mode_count(method.velocity, D), 0};
   for (const Material& material : materials)
     kept.history = std::max(kept.history, history_of(material));
   return kept;
@@ -66,10 +65,10 @@ void Problem<D>::validate(const Particles<D>& all, bool complete) const {
                                        " for each of the " + std::to_string(count) + " positions" +
                                        (array.kept && !complete ? ", or none" : ""));
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (!is_finite(values[i])) [[unlikely]]
+      if (!recon::detail::entries_finite(values[i])) [[unlikely]]
         recon::detail::throw_invalid(
             std::string(array.name) + " of particle " + std::to_string(i / array.per_particle),
-            text_of(values[i]), "must be finite");
+            recon::detail::entries_text(values[i]), "must be finite");
   });
   for (std::size_t p = 0; p < count; ++p) {
     // One text for what is wrong with a particle.

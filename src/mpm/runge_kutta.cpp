@@ -1,6 +1,5 @@
 // y' = f(y) for position, velocity and deformation; f is the map and the rates of flip.
 #include "mpm/policies.hpp"
-#include "recon/core/parallel.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -8,7 +7,7 @@ namespace {
 template <int D>
 class RungeKutta : public UpdatePolicy<D> {
  public:
-  explicit RungeKutta(const Problem<D>& problem) : problem_(problem) {}
+  using UpdatePolicy<D>::UpdatePolicy;
 
   void move(Step<D>& step, State<D>& s, double dt) const override {
     constexpr int stages = 4;
@@ -43,26 +42,24 @@ class RungeKutta : public UpdatePolicy<D> {
   // And adds `weight` times the rates to their sum.
   void rates_of(const Nodes<D>& nodes, const Particles<D>& particles, double weight,
                 std::vector<Rates>& rates, std::vector<Rates>& sum) const {
-    with_shape(problem_.method, [&](auto shape_of) {
-      parallel_blocks(particles.size(), particles_per_block, problem_.threads,
-                      [&](std::size_t begin, std::size_t end) {
-                        typename decltype(shape_of)::template Nodes<D> shape;
-                        for (std::size_t p = begin; p < end; ++p) {
-                          shape_of.shape(problem_.grid, particles, p, shape);
-                          rates[p].x = shape.value(nodes.velocity, trusted);
-                          rates[p].v = shape.value(nodes.acceleration, trusted);
-                          rates[p].L = shape.gradient(nodes.velocity, trusted);
-                          rates[p].F = rates[p].L * particles.F[p];
-                          sum[p].add(weight, rates[p]);
-                        }
-                      });
+    struct None {};
+    with_shape(this->problem_.method, [&](auto shape_of) {
+      const auto each = [&](std::size_t p, const auto& shape, None&) {
+        rates[p].x = shape.value(nodes.velocity, trusted);
+        rates[p].v = shape.value(nodes.acceleration, trusted);
+        rates[p].L = shape.gradient(nodes.velocity, trusted);
+        rates[p].F = rates[p].L * particles.F[p];
+        sum[p].add(weight, rates[p]);
+      };
+      for_each_shape<None>(this->problem_, particles, shape_of, each,
+                           [](std::size_t, std::size_t) {});
     });
   }
 
   // From the state at the beginning of the step.
   void advance(const Step<D>& step, const std::vector<Rates>& rates, double dt, State<D>& s) const {
     Particles<D>& particles = s.particles;
-    parallel_blocks(particles.size(), particles_per_block, problem_.threads,
+    parallel_blocks(particles.size(), particles_per_block, this->problem_.threads,
                     [&](std::size_t begin, std::size_t end) {
                       for (std::size_t p = begin; p < end; ++p) {
                         particles.L[p] = rates[p].L;
@@ -70,12 +67,10 @@ class RungeKutta : public UpdatePolicy<D> {
                         particles.x[p] += dt * rates[p].x;
                         particles.v[p] += dt * rates[p].v;
                       }
-                      strain_to(problem_, begin, end, dt, s);
+                      strain_to(this->problem_, begin, end, dt, s);
                       step.policies().boundaries.keep_inside(begin, end, s);
                     });
   }
-
-  const Problem<D>& problem_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Deformation and stress of a block of particles.
-#include "mpm/brief.hpp"
+#include "core/brief.hpp"
 #include "mpm/policies.hpp"
 
 namespace recon::mpm {
@@ -21,9 +21,9 @@ void strain_to(const Problem<D>& problem, std::size_t begin, std::size_t end, do
   const std::size_t history = particles.history.size() / particles.size();
   for (std::size_t p = begin; p < end; ++p)
     if (!(particles.F[p].determinant() > 0))
-      throw Failure(
-          s.steps, "particle", p,
-          "its volume is no longer positive (det F = " + brief(particles.F[p].determinant()) + ")");
+      throw Failure(s.steps, "particle", p,
+                    "its volume is no longer positive (det F = " +
+                        recon::detail::brief(particles.F[p].determinant()) + ")");
   // The particles of a body stand together: its material is asked for all of them.
   for (std::size_t p = begin; p < end;) {
     const std::int32_t body = particles.body[p];

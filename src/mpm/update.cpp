@@ -1,8 +1,6 @@
 // The updates that map once a step, and what they are chosen from.
-#include "core/flatten.hpp"
 #include "mpm/modes.hpp"
 #include "mpm/policies.hpp"
-#include "recon/core/parallel.hpp"
 #include "recon/transfer/scatter.hpp"
 
 namespace recon::mpm {
@@ -33,54 +31,52 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
   const Grid<D>& grid = problem.grid;
   const Method& method = problem.method;
   const double pic = method.update == Update::flip ? method.blend : 1;  // part of it in v_p
-  const auto modes = static_cast<std::size_t>(mode_count(method.velocity, D));
-  parallel_blocks(particles.size(), particles_per_block, problem.threads,
-                  [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
-                    typename Shape::template Nodes<D> shape;
-                    ParticleModes<D, Shape> of;
-                    for (std::size_t p = begin; p < end; ++p) {
-                      shape_of.shape(grid, particles, p, shape);
-                      if (parts.strain) particles.L[p] = shape.gradient(from.straining, trusted);
-                      if (!parts.velocity && !parts.position) continue;
-                      const Vector<D> v = shape.value(from.carried, trusted);
-                      if (parts.velocity) {
-                        if (modes > 0) {
-                          of.fill(grid, shape_of, particles.x[p], shape, mode_set(method.velocity));
-                          of.take(shape, from.carried, &particles.modes[p * modes]);
-                        }
-                        if (pic < 1)
-                          particles.v[p] += from.kick * shape.value(nodes.acceleration, trusted);
-                        if (pic == 1)
-                          particles.v[p] = v;
-                        else if (pic > 0)
-                          particles.v[p] += pic * (v - particles.v[p]);
-                      }
-                      if (!parts.position) continue;
-                      particles.x[p] += dt * v;
-                      shape_of.move(grid, particles, p, from.carried, dt);
-                    }
-                    if (parts.strain) strain(problem, begin, end, dt, s);
-                    if (parts.position) policies.boundaries.keep_inside(begin, end, s);
-                  });
+  const std::size_t modes = mode_count(method.velocity, D);
+  const auto each = [&](std::size_t p, const auto& shape, ParticleModes<D, Shape>& of) {
+    if (parts.strain) particles.L[p] = shape.gradient(from.straining, trusted);
+    if (!parts.velocity && !parts.position) return;
+    const Vector<D> v = shape.value(from.carried, trusted);
+    if (parts.velocity) {
+      if (modes > 0) {
+        fill_modes(grid, shape_of, particles.x[p], shape, method.velocity, of);
+        of.coefficients(shape, from.carried, &particles.modes[p * modes], trusted);
+      }
+      if (pic < 1) particles.v[p] += from.kick * shape.value(nodes.acceleration, trusted);
+      if (pic == 1)
+        particles.v[p] = v;
+      else if (pic > 0)
+        particles.v[p] += pic * (v - particles.v[p]);
+    }
+    if (!parts.position) return;
+    particles.x[p] += dt * v;
+    shape_of.move(grid, particles, p, from.carried, dt);
+  };
+  for_each_shape<ParticleModes<D, Shape>>(problem, particles, shape_of, each,
+                                          [&](std::size_t begin, std::size_t end) {
+                                            if (parts.strain) strain(problem, begin, end, dt, s);
+                                            if (parts.position)
+                                              policies.boundaries.keep_inside(begin, end, s);
+                                          });
 }
 
 // flip and pic: v_i+ = v_i + k a_i carries and strains.
 template <int D>
 class SingleMap : public UpdatePolicy<D> {
  public:
-  explicit SingleMap(const Problem<D>& problem) : problem_(problem) {}
+  using UpdatePolicy<D>::UpdatePolicy;
 
   void move(Step<D>& step, State<D>& s, double dt) const final {
     Nodes<D>& nodes = step.changeable_nodes();
-    const double kick = problem_.method.kick(s.last_dt, dt);
+    const Problem<D>& problem = this->problem_;
+    const double kick = problem.method.kick(s.last_dt, dt);
     std::vector<Vector<D>> carried = this->carried(step, s, kick);  // empty: nodes.velocity
     const auto receive = [&](const std::vector<Vector<D>>& straining, Parts parts) {
       const Carried<D> from{carried.empty() ? nodes.velocity : carried, straining, kick};
-      with_shape(problem_.method, [&](auto shape_of) {
-        take(problem_, step.policies(), nodes, from, parts, dt, s, shape_of);
+      with_shape(problem.method, [&](auto shape_of) {
+        take(problem, step.policies(), nodes, from, parts, dt, s, shape_of);
       });
     };
-    switch (problem_.method.stress) {
+    switch (problem.method.stress) {
       case StressUpdate::last: {  // L of the nodes' velocities after the kick
         const std::vector<Vector<D>> limited = this->limited(step, dt, kick);
         receive(limited.empty() ? nodes.velocity : limited, {});
@@ -113,8 +109,6 @@ class SingleMap : public UpdatePolicy<D> {
   static void accelerate(const Nodes<D>& nodes, double kick, std::vector<Vector<D>>& velocity) {
     for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += kick * nodes.acceleration[i];
   }
-
-  const Problem<D>& problem_;
 
  private:
   // The nodes' velocities of which L is made, where some have a mass that is too small for the
@@ -165,32 +159,25 @@ class Filtered : public SingleMap<D> {
                                   std::vector<Vector<D>> velocity) const {
     const Problem<D>& problem = this->problem_;
     const Particles<D>& particles = s.particles;
-    const Nodes<D>& nodes = step.nodes();
-    std::vector<Vector<D>> left = velocity, back(velocity.size()), seen(particles.size());
+    const std::vector<double>& mass = step.nodes().mass;
+    std::vector<Vector<D>> left = velocity, back(velocity.size());
     for (int j = 1; j < problem.method.order; ++j) {
       std::fill(back.begin(), back.end(), Vector<D>::Zero());
       with_shape(problem.method, [&](auto shape_of) {
         using Seen = typename decltype(shape_of)::template Nodes<D>;
-        parallel_blocks(particles.size(), particles_per_block, problem.threads,
-                        [&](std::size_t begin, std::size_t end) {
-                          Seen shape;
-                          for (std::size_t p = begin; p < end; ++p) {
-                            shape_of.shape(problem.grid, particles, p, shape);
-                            seen[p] = shape.value(left, trusted);
-                          }
-                        });
         const auto rows = [&](std::size_t p) {
           return shape_of.nodes_along(problem.grid, particles, p, D - 1);
         };
         scatter_by_rows<Seen>(particles.size(), problem.threads, rows,
                               [&](std::size_t p, Seen& shape) {
                                 shape_of.shape(problem.grid, particles, p, shape);
+                                const Vector<D> seen = shape.value(left, trusted);
                                 for (std::size_t k = 0; k < shape.size(); ++k)
-                                  back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen[p];
+                                  back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen;
                               });
       });
       for (std::size_t i = 0; i < left.size(); ++i)
-        if (nodes.mass[i] != 0) left[i] -= back[i] / nodes.mass[i];
+        if (mass[i] != 0) left[i] -= back[i] / mass[i];
       step.policies().boundaries.rest(left);
       for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
     }

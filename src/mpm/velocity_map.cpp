@@ -1,8 +1,8 @@
 // What particles give to the nodes, and the fitted velocity maps.
-#include "core/flatten.hpp"
+#include <numeric>
+
 #include "mpm/modes.hpp"
 #include "mpm/policies.hpp"
-#include "recon/core/parallel.hpp"
 #include "recon/operators/reconstruct.hpp"
 #include "recon/transfer/scatter.hpp"
 
@@ -14,52 +14,46 @@ namespace {
 //   v_p + L_p (x_k - x_p)     taylor
 //   v_p + sum_r c_r s_r(x_k)  affine, polynomial
 template <int D, class Shape>
-class Scatter {
- public:
-  Scatter(const Problem<D>& problem, const State<D>& s, const std::vector<Vector<D>>& b,
-          const FromParticles& from, Nodes<D>& nodes, const Shape& shape_of)
-      : problem_(problem),
-        grid_(problem.grid),
-        particles_(s.particles),
-        b_(b),
-        from_(from),
-        nodes_(nodes),
-        shape_of_(shape_of),
-        map_(problem.method.velocity),
-        modes_(static_cast<std::size_t>(mode_count(map_, D))) {}
+struct Scatter {
+  const Problem<D>& problem;
+  const Particles<D>& particles;
+  const std::vector<Vector<D>>& b;
+  const FromParticles& from;
+  Nodes<D>& nodes;
+  const Shape shape_of;
+  const Grid<D>& grid = problem.grid;
+  const VelocityMap map = problem.method.velocity;
+  const std::size_t modes = mode_count(map, D);
 
-  void run() const {
-    const auto rows = [&](std::size_t p) {
-      return shape_of_.nodes_along(grid_, particles_, p, D - 1);
-    };
-    // Flattened, here and on the way back: with so many shapes the compiler runs out of what it
-    // inlines.
-    const auto add = [&](std::size_t p, Scratch& scratch) RECON_FLATTEN { this->add(p, scratch); };
-    scatter_by_rows<Scratch>(particles_.size(), problem_.threads, rows, add);
-  }
-
- private:
   struct Scratch {
     typename Shape::template Nodes<D> shape;
     ParticleModes<D, Shape> modes;
     std::vector<Vector<D>> velocity;  // that the particle shows to each of its nodes
   };
 
+  void run() const {
+    const auto rows = [&](std::size_t p) {
+      return shape_of.nodes_along(grid, particles, p, D - 1);
+    };
+    const auto add = [&](std::size_t p, Scratch& scratch) RECON_FLATTEN { this->add(p, scratch); };
+    scatter_by_rows<Scratch>(particles.size(), problem.threads, rows, add);
+  }
+
   void add(std::size_t p, Scratch& scratch) const {
-    if (from_.leaves_out(grid_, particles_.x[p])) return;
+    if (from.leaves_out(grid, particles.x[p])) return;
     auto& shape = scratch.shape;
-    const double volume = shape_of_.shape(grid_, particles_, p, shape);
-    if (map_ != VelocityMap::taylor && modes_ == 0) {
-      const Vector<D> v = particles_.v[p];
+    const double volume = shape_of.shape(grid, particles, p, shape);
+    if (map != VelocityMap::taylor && modes == 0) {
+      const Vector<D> v = particles.v[p];
       return spread(p, volume, shape, [&](std::size_t) -> const Vector<D>& { return v; });
     }
-    scratch.velocity.assign(shape.size(), particles_.v[p]);
-    if (map_ == VelocityMap::taylor)
+    scratch.velocity.assign(shape.size(), particles.v[p]);
+    if (map == VelocityMap::taylor)
       for (std::size_t k = 0; k < shape.size(); ++k)
-        scratch.velocity[k] += particles_.L[p] * (grid_.position(shape.node[k]) - particles_.x[p]);
-    if (modes_ > 0) {
-      scratch.modes.fill(grid_, shape_of_, particles_.x[p], shape, mode_set(map_));
-      scratch.modes.add_to(scratch.velocity, shape.size(), &particles_.modes[p * modes_]);
+        scratch.velocity[k] += particles.L[p] * (grid.position(shape.node[k]) - particles.x[p]);
+    if (modes > 0) {
+      fill_modes(grid, shape_of, particles.x[p], shape, map, scratch.modes);
+      scratch.modes.add_to(scratch.velocity, shape.size(), &particles.modes[p * modes], trusted);
     }
     spread(p, volume, shape,
            [&](std::size_t k) -> const Vector<D>& { return scratch.velocity[k]; });
@@ -68,39 +62,29 @@ class Scatter {
   // show(k) is the velocity that the particle shows to its node k.
   template <class At, class Show>
   void spread(std::size_t p, double volume, const At& shape, const Show& show) const {
-    const double mass = particles_.mass[p];
-    if (!from_.mass_and_force) {
+    const double mass = particles.mass[p];
+    if (!from.mass_and_force) {
       for (std::size_t k = 0; k < shape.size(); ++k)
-        nodes_.momentum[shape.node[k]] += shape.S[k] * mass * show(k);
+        nodes.momentum[shape.node[k]] += shape.S[k] * mass * show(k);
       return;
     }
-    const Matrix<D> pull = -volume * particles_.stress[p];
-    const Vector<D> push = b_.empty() ? Vector<D>::Zero() : Vector<D>(mass * b_[p]);
+    const Matrix<D> pull = -volume * particles.stress[p];
+    const Vector<D> push = b.empty() ? Vector<D>::Zero() : Vector<D>(mass * b[p]);
     for (std::size_t k = 0; k < shape.size(); ++k) {
       const std::uint32_t i = shape.node[k];
       const double part = shape.S[k] * mass;
-      nodes_.mass[i] += part;
-      nodes_.momentum[i] += part * show(k);
-      nodes_.force[i] += pull * shape.G[k] + shape.S[k] * push;
+      nodes.mass[i] += part;
+      nodes.momentum[i] += part * show(k);
+      nodes.force[i] += pull * shape.G[k] + shape.S[k] * push;
     }
-    if (nodes_.stiffness.empty()) return;
-    const Lame& elastic = lame(problem_.materials[particles_.body[p]]);
+    if (nodes.stiffness.empty()) return;
+    const Lame& elastic = lame(problem.materials[particles.body[p]]);
     const double stiffness = volume * (elastic.lambda + 2 * elastic.mu);
     for (std::size_t k = 0; k < shape.size(); ++k) {
-      nodes_.internal[shape.node[k]] += pull * shape.G[k];
-      nodes_.stiffness[shape.node[k]] += stiffness * shape.G[k].squaredNorm();
+      nodes.internal[shape.node[k]] += pull * shape.G[k];
+      nodes.stiffness[shape.node[k]] += stiffness * shape.G[k].squaredNorm();
     }
   }
-
-  const Problem<D>& problem_;
-  const Grid<D>& grid_;
-  const Particles<D>& particles_;
-  const std::vector<Vector<D>>& b_;
-  const FromParticles& from_;
-  Nodes<D>& nodes_;
-  const Shape shape_of_;
-  VelocityMap map_;
-  std::size_t modes_;
 };
 
 // Particles, and after them the corners of their domains with the velocity
@@ -127,26 +111,22 @@ struct WithCorners {
   }
 };
 
-template <int D>
-void on_grid(const Problem<D>& problem, const std::vector<Vector<D>>& x,
-             const std::vector<Vector<D>>& v, Nodes<D>& nodes) {
-  const auto fit =
-      reconstruct_on_grid(points_of(x), {field_of(v)}, problem.grid.nodes(),
-                          {.degree = problem.method.degree, .threads = problem.threads});
-  nodes.fit = fit.report();
-  nodes.fit_nodes.resize(nodes.mass.size());
-  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
-    nodes.fit_nodes[i] = static_cast<std::uint32_t>(i);
+// The fits of the nodes nodes.fit_nodes: value(t) is v_i of the one with number t. Where no point
+// lies in the support of a node, the mass-weighted velocity is kept, and the node counted.
+template <int D, class Value>
+void accept(const FitReports& report, const Value& value, Nodes<D>& nodes) {
+  nodes.fit = report;
+  for (std::size_t t = 0; t < nodes.fit_nodes.size(); ++t) {
+    const std::uint32_t i = nodes.fit_nodes[t];
     if (!(nodes.mass[i] > 0)) continue;
-    if (fit.report()[i].status == FitStatus::no_support)
+    if (report[t].status == FitStatus::no_support)
       ++nodes.unfitted;
     else
-      nodes.mapped[i] = fit.values().row(static_cast<Eigen::Index>(i)).transpose();
+      nodes.mapped[i] = value(t);
   }
 }
 
-// Where no point lies in the support of a node, the mass-weighted velocity is kept, and the node
-// counted in nodes.unfitted.
+// The fit of all nodes at once, by moments.
 template <int D>
 class GridMap : public MapPolicy<D> {
  public:
@@ -154,11 +134,25 @@ class GridMap : public MapPolicy<D> {
 
  protected:
   void fit(const State<D>& s, Nodes<D>& nodes) const override {
+    if (this->problem_.method.velocity == VelocityMap::mls)
+      return on_grid(s.particles.x, s.particles.v, nodes);
+    const WithCorners<D> data(s.particles, this->problem_.threads);
+    on_grid(data.x, data.v, nodes);
+  }
+
+ private:
+  void on_grid(const std::vector<Vector<D>>& x, const std::vector<Vector<D>>& v,
+               Nodes<D>& nodes) const {
     const Problem<D>& problem = this->problem_;
-    if (problem.method.velocity == VelocityMap::mls)
-      return on_grid(problem, s.particles.x, s.particles.v, nodes);
-    const WithCorners<D> data(s.particles, problem.threads);
-    on_grid(problem, data.x, data.v, nodes);
+    const auto fit =
+        reconstruct_on_grid(points_of(x), {field_of(v)}, problem.grid.nodes(),
+                            {.degree = problem.method.degree, .threads = problem.threads});
+    nodes.fit_nodes.resize(nodes.mass.size());
+    std::iota(nodes.fit_nodes.begin(), nodes.fit_nodes.end(), 0u);
+    const auto value = [&](std::size_t i) {
+      return fit.values().row(static_cast<Eigen::Index>(i)).transpose();
+    };
+    accept(fit.report(), value, nodes);
   }
 };
 
@@ -187,13 +181,8 @@ class ImlsMap : public MapPolicy<D> {
                                             .threads = problem.threads});
     std::vector<Vector<D>> fitted(targets.size());
     fit.apply(field_of(s.particles.v), field_of(fitted));
-    nodes.fit = fit.report();
-    for (std::size_t t = 0; t < targets.size(); ++t) {
-      if (fit.report()[t].status == FitStatus::no_support)
-        ++nodes.unfitted;
-      else
-        nodes.mapped[nodes.fit_nodes[t]] = fitted[t];
-    }
+    accept(
+        fit.report(), [&](std::size_t t) { return fitted[t]; }, nodes);
   }
 };
 
@@ -202,15 +191,16 @@ class ImlsMap : public MapPolicy<D> {
 template <int D>
 void MapPolicy<D>::to_nodes(const State<D>& s, const std::vector<Vector<D>>& b,
                             const FromParticles& from, Nodes<D>& nodes) const {
-  with_shape(problem_.method, [&](auto shape_of) {
-    Scatter<D, decltype(shape_of)>(problem_, s, b, from, nodes, shape_of).run();
+  with_shape(this->problem_.method, [&](auto shape_of) {
+    Scatter<D, decltype(shape_of)>{this->problem_, s.particles, b, from, nodes, shape_of}.run();
   });
 }
 
 template <int D>
 void MapPolicy<D>::velocities(const State<D>& s, Nodes<D>& nodes) const {
   fit(s, nodes);
-  if (!problem_.method.momentum_correction || problem_.method.keeps_momentum()) return;
+  const Method& method = this->problem_.method;
+  if (!method.momentum_correction || method.keeps_momentum()) return;
   const Particles<D>& particles = s.particles;
   Vector<D> missing = Vector<D>::Zero();
   double mass = 0;

@@ -7,6 +7,8 @@ namespace recon::detail {
 
 bool covered_by_cells(const NeighbourRule& rule, const NeighbourOptions& options) {
   return !options.visible && !std::holds_alternative<PairRadii>(rule) &&
+         !std::holds_alternative<Ellipsoids>(rule) &&
+         !std::holds_alternative<PairEllipsoids>(rule) &&
          !(std::holds_alternative<NearestWithin>(rule) && options.shape == SupportShape::cube);
 }
 
@@ -15,7 +17,7 @@ bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& 
                    const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
                    const NeighbourOptions& options, bool may_build_tree, const RowsAsked& rows,
                    NeighbourList<Scalar>& list) {
-  require_valid_question(particles.cloud(), targets, rule, domain);
+  require_valid_question(particles.cloud(), targets, rule, domain, options.shape);
   SharedByTargets<Scalar, D> shared(particles, targets, rule, domain, options, rows.by_index,
                                     may_build_tree);
   const double too_many = 1000 + 10 * static_cast<double>(shared.question.k);

@@ -196,9 +196,13 @@ void Cloud<Scalar>::find(const PointCloud<Scalar>& targets, const NeighbourRule&
   NeighbourRule of_places = rule;
   std::vector<double> radii;
   if (auto* pairs = std::get_if<PairRadii>(&of_places)) {
-    require_valid_rule<Scalar>(rule, targets.size(), points().size());
+    require_valid_rule<Scalar>(rule, points().dimension(), targets.size(), points().size());
     for (const std::uint32_t p : caller_of_) radii.push_back(pairs->particles[p]);
     pairs->particles = radii;
+  } else if (auto* ellipsoids = std::get_if<PairEllipsoids>(&of_places)) {
+    require_valid_rule<Scalar>(rule, points().dimension(), targets.size(), points().size());
+    for (const std::uint32_t p : caller_of_) append_packed(ellipsoids->particles, p, 1, radii);
+    ellipsoids->particles = view_of_packed(radii, points().dimension());
   }
   with_kept([&](auto& kept) {
     find_with_index(kept.index, targets, of_places, domain_, options, rows, list);

@@ -17,7 +17,10 @@ constexpr std::size_t few_particles = 32;  // brute force is the fastest up to a
 // For the questions that the batch search by cells does not cover.
 SearchMethod chosen(SearchMethod method, const NeighbourRule& rule) {
   if (method != SearchMethod::automatic) return method;
-  return std::holds_alternative<Radius>(rule) ? SearchMethod::cell_grid : SearchMethod::kd_tree;
+  const bool cells = std::holds_alternative<Radius>(rule) ||
+                     std::holds_alternative<Ellipsoids>(rule) ||
+                     std::holds_alternative<PairEllipsoids>(rule);
+  return cells ? SearchMethod::cell_grid : SearchMethod::kd_tree;
 }
 
 }  // namespace
@@ -30,8 +33,10 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
                      const NeighbourOptions& options, const RowsAsked& rows,
                      NeighbourList<Scalar>& list) {
   // Before a search is built for it.
-  require_valid_rule<Scalar>(rule, targets.size(), index.cloud().size());
+  require_valid_rule<Scalar>(rule, D, targets.size(), index.cloud().size());
   list.pair_support.clear();
+  list.tensor.clear();
+  list.pair_tensor.clear();
   static_cast<void>(resolved(options.instruction_set));
   const PointCloud<Scalar>& particles = index.cloud();
   require(targets.dimension() == particles.dimension(), "dimension of the targets",
@@ -41,9 +46,9 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
   };
   const bool automatic = options.search == SearchMethod::automatic;
   if (automatic && particles.size() <= few_particles) return with(index.brute_force());
-  if (const auto* pairs = std::get_if<PairRadii>(&rule); automatic && pairs) {
-    require_valid_question(particles, targets, rule, domain);
-    return find_pairs<D>(index, targets, *pairs, domain, options, list);
+  if (automatic && finds_pairs(rule)) {
+    require_valid_question(particles, targets, rule, domain, options.shape);
+    return find_pairs<D>(index, targets, rule, domain, options, list);
   }
   if ((automatic || options.search == SearchMethod::cell_grid) && particles.size() > 0 &&
       covered_by_cells(rule, options)) {

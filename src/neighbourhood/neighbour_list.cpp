@@ -4,6 +4,8 @@
 #include <limits>
 #include <string>
 
+#include "recon/neighbourhood/support_tensor.hpp"
+
 namespace recon {
 
 namespace {
@@ -44,11 +46,33 @@ void NeighbourList<Scalar>::validate(std::size_t target_count, std::size_t parti
   require(pair_support.empty() || pair_support.size() == indices.size(), "number of pair supports",
           pair_support.size(), "must be 0 or the number of indices");
   require_supports(pair_support, "support of entry ");
+  require(pair_support.empty() || (tensor.empty() && pair_tensor.empty()),
+          "number of pair supports", pair_support.size(), "must be 0 where there are tensors");
+  const auto require_number = [](const Array<Scalar>& tensors, std::size_t one_for_each,
+                                 const char* name, const char* rule) {
+    const std::size_t size = one_for_each > 0 ? tensors.size() / one_for_each : 0;
+    require(
+        tensors.size() == size * one_for_each && (size == 0 || size == 1 || size == 3 || size == 6),
+        name, tensors.size(), rule);
+    return detail::tensor_dimension(static_cast<int>(size));
+  };
+  const int dimension = require_number(tensor, target_count, "numbers in the tensors",
+                                       "must be 0, or D (D + 1) / 2 times the number of targets");
+  const int pair_dimension =
+      require_number(pair_tensor, indices.size(), "numbers in the tensors of pairs",
+                     "must be 0, or D (D + 1) / 2 times the number of indices");
+  require(dimension == 0 || pair_dimension == 0 || dimension == pair_dimension,
+          "dimension of the tensors of pairs", pair_dimension,
+          "must be that of the tensors of targets");
+  if (dimension > 0) detail::require_packed_tensors(tensor, dimension, "target ");
+  if (pair_dimension > 0) detail::require_packed_tensors(pair_tensor, pair_dimension, "entry ");
   require(support_factor == 0 || (support_factor >= 1 && std::isfinite(support_factor)),
           "support_factor of the neighbours", support_factor,
           "must be 0, for supports that stand still, or finite and at least 1");
   require(support_factor == 0 || pair_support.empty(), "support_factor of the neighbours",
           support_factor, "must be 0 where pairs have supports of their own");
+  require(support_factor == 0 || (tensor.empty() && pair_tensor.empty()),
+          "support_factor of the neighbours", support_factor, "must be 0 where there are tensors");
 }
 
 template struct NeighbourList<float>;

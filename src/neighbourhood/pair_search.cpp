@@ -40,15 +40,28 @@ std::vector<std::vector<Seen>> turned_round(const NeighbourList<Scalar>& reached
   return seen;
 }
 
+// The rule under which the particles, as targets, find what they reach.
+NeighbourRule of_particles_alone(const NeighbourRule& rule) {
+  if (const auto* radii = std::get_if<PairRadii>(&rule)) return Radii{radii->particles};
+  return Ellipsoids{std::get<PairEllipsoids>(rule).particles};
+}
+
 }  // namespace
+
+bool finds_pairs(const NeighbourRule& rule) {
+  const auto* ellipsoids = std::get_if<PairEllipsoids>(&rule);
+  return std::holds_alternative<PairRadii>(rule) ||
+         (ellipsoids && ellipsoids->support == PairSupport::particle);
+}
 
 template <int D, class Scalar>
 void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets,
-                const PairRadii& rule, const PeriodicDomain<Scalar>& domain,
+                const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
                 const NeighbourOptions& options, NeighbourList<Scalar>& list) {
   const PointCloud<Scalar>& particles = index.cloud();
+  const auto* radii = std::get_if<PairRadii>(&rule);
   // Two searches are told of as one.
-  const bool symmetric = rule.support != PairSupport::particle;
+  const bool symmetric = radii && radii->support != PairSupport::particle;
   NeighbourOptions of_targets = options, of_particles = options;
   of_particles.progress = part_of(options.progress, 0, symmetric ? 0.5 : 1);
   of_targets.progress = part_of(options.progress, 0.5, 1);
@@ -58,12 +71,12 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
     };
   SearchIndex<Scalar, D> target_index(targets);
   NeighbourList<Scalar> found;
-  find_with_index<D>(target_index, particles, Radii{rule.particles}, domain, of_particles, {},
+  find_with_index<D>(target_index, particles, of_particles_alone(rule), domain, of_particles, {},
                      found);
   std::vector<std::vector<Seen>> rows = turned_round(found, targets.size());
 
   if (symmetric) {
-    find_with_index<D>(index, targets, Radii{rule.targets}, domain, of_targets, {}, found);
+    find_with_index<D>(index, targets, Radii{radii->targets}, domain, of_targets, {}, found);
     std::vector<Seen> own, both;
     for (std::size_t t = 0; t < rows.size(); ++t) {
       own.clear();
@@ -75,11 +88,11 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
       rows[t] = both;
     }
   }
-  if (rule.support == PairSupport::mean) {
+  if (radii && radii->support == PairSupport::mean) {
     const bool cube = options.shape == SupportShape::cube;
     for (std::size_t t = 0; t < rows.size(); ++t)
       std::erase_if(rows[t], [&](const Seen& seen) {
-        const Scalar rho = pair_radius<Scalar>(rule, t, seen.particle);
+        const Scalar rho = pair_radius<Scalar>(*radii, t, seen.particle);
         Scalar distance2 = 0, along_axis = 0;
         for (int d = 0; d < D; ++d) {
           Scalar x = targets(t, d);
@@ -106,12 +119,12 @@ void find_pairs(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& targets
       ++entry;
     }
   list.support_factor = 0;
-  add_pair_supports(rule, options.threads, list);
+  add_supports(rule, D, options.threads, list);
 }
 
-#define RECON_INSTANTIATE(S, D)                                                              \
-  template void find_pairs<D, S>(SearchIndex<S, D>&, const PointCloud<S>&, const PairRadii&, \
-                                 const PeriodicDomain<S>&, const NeighbourOptions&,          \
+#define RECON_INSTANTIATE(S, D)                                                                  \
+  template void find_pairs<D, S>(SearchIndex<S, D>&, const PointCloud<S>&, const NeighbourRule&, \
+                                 const PeriodicDomain<S>&, const NeighbourOptions&,              \
                                  NeighbourList<S>&)
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE

@@ -12,8 +12,8 @@ namespace {
 
 // The rule with supports `factor` times as large, for a choice of the targets; `kept` holds what
 // it refers to.
-NeighbourRule enlarged(const NeighbourRule& rule, double factor,
-                       const std::vector<std::size_t>& targets, OwnRadii& kept) {
+NeighbourRule enlarged(const NeighbourRule& rule, int dimension, double factor,
+                       const std::vector<std::size_t>& targets, OwnSupports& kept) {
   const auto more = [factor](std::size_t k) {
     return static_cast<std::size_t>(std::ceil(static_cast<double>(k) * factor));
   };
@@ -21,9 +21,22 @@ NeighbourRule enlarged(const NeighbourRule& rule, double factor,
   if (const auto* r = std::get_if<Nearest>(&rule)) return Nearest{more(r->k), r->factor};
   if (const auto* r = std::get_if<NearestWithin>(&rule))
     return NearestWithin{more(r->k), r->radius * factor};
+  kept.clear();
+  if (const auto* ellipsoids = std::get_if<Ellipsoids>(&rule)) {
+    for (const std::size_t t : targets) append_packed(ellipsoids->tensors, t, factor, kept.targets);
+    return Ellipsoids{view_of_packed(kept.targets, dimension)};
+  }
+  if (const auto* ellipsoids = std::get_if<PairEllipsoids>(&rule)) {
+    for (const std::size_t t : targets)
+      if (ellipsoids->targets.size() > 0)
+        append_packed(ellipsoids->targets, t, factor, kept.targets);
+    for (std::size_t p = 0; p < ellipsoids->particles.size(); ++p)
+      append_packed(ellipsoids->particles, p, factor, kept.particles);
+    return PairEllipsoids{view_of_packed(kept.particles, dimension),
+                          view_of_packed(kept.targets, dimension), ellipsoids->support};
+  }
   const auto* pairs = std::get_if<PairRadii>(&rule);
   const std::span<const double> of_targets = pairs ? pairs->targets : std::get<Radii>(rule).radii;
-  kept.clear();
   for (const std::size_t t : targets)
     if (!of_targets.empty()) kept.targets.push_back(of_targets[t] * factor);
   if (!pairs) return Radii{kept.targets};
@@ -60,11 +73,11 @@ bool FitProblem<Scalar>::grow(const NeighbourRule& rule, const NeighbourOptions&
   double factor = 1;
   for (int step = 0; step < options_.grow.steps && !missing.empty(); ++step) {
     factor *= options_.grow.factor;
-    OwnRadii radii;
+    OwnSupports supports;
     const NeighbourOptions larger = search_of(search, missing);
     const PointCloud<Scalar> at = subset(targets_, missing);
     NeighbourList<Scalar> list;
-    cloud_->find(at, enlarged(rule, factor, missing, radii), larger,
+    cloud_->find(at, enlarged(rule, dimension(), factor, missing, supports), larger,
                  {.in_order = true, .by_index = true}, list);
     Array<Scalar> values;
     std::vector<FitReport> grown;

@@ -95,8 +95,9 @@ class FarTargets {
   // of the nearest.
   Nearness<Scalar> nearness_in_list(std::size_t t, const NeighbourList<Scalar>& list, bool complete,
                                     std::vector<Scalar>& squares) const {
-    // A particle with a small support of its own may be nearer than all in the list.
-    if (!list.pair_support.empty()) return {};
+    // A particle with a small support of its own may be nearer than all in the list, and so may one
+    // beside an ellipsoid.
+    if (!list.pair_support.empty() || !list.tensor.empty() || !list.pair_tensor.empty()) return {};
     Nearness<Scalar> near;
     squares.clear();
     Scalar least = std::numeric_limits<Scalar>::infinity();

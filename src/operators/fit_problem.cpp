@@ -15,8 +15,14 @@ namespace {
 constexpr std::size_t targets_per_block = 256, many_per_block = 16384;
 constexpr std::size_t fewest_sorted = 512;  // below this, everything is in the cache anyway
 
-bool has_radii(const NeighbourRule& rule) {
-  return std::holds_alternative<Radii>(rule) || std::holds_alternative<PairRadii>(rule);
+bool refers_to_supports(const NeighbourRule& rule) {
+  return std::holds_alternative<Radii>(rule) || std::holds_alternative<PairRadii>(rule) ||
+         std::holds_alternative<Ellipsoids>(rule) || std::holds_alternative<PairEllipsoids>(rule);
+}
+
+void require_radial(bool pairs_have_tensors, WeightForm form) {
+  require(!pairs_have_tensors || form == WeightForm::radial, "form", "tensor_product",
+          "must be radial where pairs have ellipsoids of their own");
 }
 
 }  // namespace
@@ -25,7 +31,7 @@ template <class Scalar>
 FitProblem<Scalar>::FitProblem(std::shared_ptr<const Cloud<Scalar>> cloud, const Options& options)
     : cloud_(std::move(cloud)),
       options_(options.for_points(dimension())),
-      rule_(with_kept_radii(*options_.neighbours)) {
+      rule_(with_kept_supports(*options_.neighbours)) {
   options_.particle_weights = {};  // the cloud has its own
   options_.neighbours.reset();     // rule_ is what holds
   kernel_ = make_shape_kernel<Scalar>(
@@ -50,10 +56,11 @@ template <class Scalar>
 void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, const NeighbourRule* rule) {
   const NeighbourRule asked = rule ? *rule : rule_;
   require_dimension(targets);
-  require_valid_rule<Scalar>(asked, targets.size(), cloud_->points().size());
+  require_valid_rule<Scalar>(asked, dimension(), targets.size(), cloud_->points().size());
+  require_radial(std::holds_alternative<PairEllipsoids>(asked), *options_.form);
   cloud_->take_targets(targets, "targets", options_.threads, incoming_);
   rule_before_ = rule_;
-  rule_ = with_kept_radii(asked);
+  rule_ = with_kept_supports(asked);
   own_neighbours_ = false;
 }
 
@@ -61,6 +68,15 @@ template <class Scalar>
 void FitProblem<Scalar>::take(const PointsView<Scalar>& targets, NeighbourList<Scalar> neighbours) {
   require_dimension(targets);
   neighbours.validate(targets.size(), cloud_->points().size());
+  const auto numbers = static_cast<std::size_t>(dimension() * (dimension() + 1) / 2);
+  require(neighbours.tensor.empty() || neighbours.tensor.size() == numbers * targets.size(),
+          "numbers in the tensors", neighbours.tensor.size(),
+          "must be D (D + 1) / 2 times the number of targets");
+  require(neighbours.pair_tensor.empty() ||
+              neighbours.pair_tensor.size() == numbers * neighbours.indices.size(),
+          "numbers in the tensors of pairs", neighbours.pair_tensor.size(),
+          "must be D (D + 1) / 2 times the number of indices");
+  require_radial(!neighbours.pair_tensor.empty(), *options_.form);
   require(!cloud_->domain().any() || neighbours.indices.empty() || !neighbours.shifts.empty(),
           "neighbours", "without shifts", "must have shifts in a periodic domain");
   for (std::size_t e = 0; e < neighbours.shifts.size(); ++e)
@@ -88,7 +104,7 @@ void FitProblem<Scalar>::fit(Array<Scalar> values) {
 
 template <class Scalar>
 void FitProblem<Scalar>::abandon() {
-  if (!has_radii(rule_before_)) rule_ = rule_before_;
+  if (!refers_to_supports(rule_before_)) rule_ = rule_before_;
   targets_ = PointCloud<Scalar>();
   target_of_.clear();
   neighbours_ = {};
@@ -122,7 +138,7 @@ void FitProblem<Scalar>::fit_taken() {
     neighbours_ = std::move(given_);
     cloud_->to_places(neighbours_.indices, neighbours_.indices.data(), options_.threads);
   } else {
-    rule = ordered_rule(ordered_radii_);
+    rule = ordered_rule(ordered_supports_);
     cloud_->find(targets_, rule, search, {.in_order = true, .by_index = true}, neighbours_);
   }
 
@@ -190,31 +206,56 @@ NeighbourOptions FitProblem<Scalar>::search_options() const {
 }
 
 template <class Scalar>
-NeighbourRule FitProblem<Scalar>::with_kept_radii(const NeighbourRule& rule) {
+NeighbourRule FitProblem<Scalar>::with_kept_supports(const NeighbourRule& rule) {
   const auto keep = [](std::span<const double> given, std::vector<double>& kept) {
     if (given.data() != kept.data()) kept.assign(given.begin(), given.end());
   };
+  const auto keep_tensors = [this](const FieldView<double>& given, const char* whose,
+                                   std::vector<double>& kept) {
+    if (given.size() == 0 || given.first(0) != kept.data()) {
+      // Packed they are symmetric, and have the right number of components.
+      require_tensors<Scalar>(given, dimension(), given.size(), whose, "");
+      kept.clear();
+      for (std::size_t i = 0; i < given.size(); ++i) append_packed(given, i, 1, kept);
+    }
+    return view_of_packed(kept, dimension());
+  };
   if (const auto* own = std::get_if<Radii>(&rule)) {
-    keep(own->radii, radii_.targets);
-    return Radii{radii_.targets};
+    keep(own->radii, supports_.targets);
+    return Radii{supports_.targets};
   }
   if (const auto* pairs = std::get_if<PairRadii>(&rule)) {
-    keep(pairs->targets, radii_.targets);
-    keep(pairs->particles, radii_.particles);
-    return PairRadii{radii_.particles, radii_.targets, pairs->support};
+    keep(pairs->targets, supports_.targets);
+    keep(pairs->particles, supports_.particles);
+    return PairRadii{supports_.particles, supports_.targets, pairs->support};
   }
+  if (const auto* own = std::get_if<Ellipsoids>(&rule))
+    return Ellipsoids{keep_tensors(own->tensors, "target ", supports_.targets)};
+  if (const auto* pairs = std::get_if<PairEllipsoids>(&rule))
+    return PairEllipsoids{keep_tensors(pairs->particles, "particle ", supports_.particles),
+                          keep_tensors(pairs->targets, "target ", supports_.targets),
+                          pairs->support};
   return rule;
 }
 
 template <class Scalar>
-NeighbourRule FitProblem<Scalar>::ordered_rule(std::vector<double>& radii) const {
-  if (!has_radii(rule_)) return rule_;
-  const auto* pairs = std::get_if<PairRadii>(&rule_);
-  radii.clear();
-  const std::size_t of_targets = pairs && pairs->targets.empty() ? 0 : targets_.size();
-  for (std::size_t t = 0; t < of_targets; ++t) radii.push_back(radii_.targets[caller_target(t)]);
-  if (!pairs) return Radii{radii};
-  return PairRadii{radii_.particles, radii, pairs->support};
+NeighbourRule FitProblem<Scalar>::ordered_rule(std::vector<double>& supports) const {
+  if (!refers_to_supports(rule_)) return rule_;
+  supports.clear();
+  const std::size_t count = supports_.targets.empty() ? 0 : targets_.size();
+  const std::size_t each = count > 0 ? supports_.targets.size() / count : 0;
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto first =
+        supports_.targets.begin() + static_cast<std::ptrdiff_t>(caller_target(t) * each);
+    supports.insert(supports.end(), first, first + static_cast<std::ptrdiff_t>(each));
+  }
+  if (const auto* pairs = std::get_if<PairRadii>(&rule_))
+    return PairRadii{supports_.particles, supports, pairs->support};
+  if (std::holds_alternative<Ellipsoids>(rule_))
+    return Ellipsoids{view_of_packed(supports, dimension())};
+  if (const auto* pairs = std::get_if<PairEllipsoids>(&rule_))
+    return PairEllipsoids{pairs->particles, view_of_packed(supports, dimension()), pairs->support};
+  return Radii{supports};
 }
 
 template <class Scalar>

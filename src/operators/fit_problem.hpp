@@ -19,8 +19,8 @@
 
 namespace recon::detail {
 
-// The radii that a rule refers to.
-struct OwnRadii {
+// The radii or packed tensors that a rule refers to.
+struct OwnSupports {
   std::vector<double> targets, particles;
 
   void clear() {
@@ -78,10 +78,10 @@ class FitProblem {
 
   std::size_t caller_target(std::size_t t) const { return target_of_.empty() ? t : target_of_[t]; }
   NeighbourOptions search_options() const;
-  // The rule, with its radii kept here.
-  NeighbourRule with_kept_radii(const NeighbourRule& rule);
-  // The rule for the targets in this order; `radii` keeps what it refers to.
-  NeighbourRule ordered_rule(std::vector<double>& radii) const;
+  // The rule, with its radii or tensors kept here.
+  NeighbourRule with_kept_supports(const NeighbourRule& rule);
+  // The rule for the targets in this order; `supports` keeps what it refers to.
+  NeighbourRule ordered_rule(std::vector<double>& supports) const;
   ShapeProblem<Scalar> shape_problem(const PointCloud<Scalar>& at,
                                      const NeighbourListView<Scalar>& list) const;
   // Evaluates rows of the kernel at the targets of the pattern.
@@ -102,8 +102,8 @@ class FitProblem {
 
   std::shared_ptr<const Cloud<Scalar>> cloud_;
   Options options_;
-  OwnRadii radii_;      // of the caller's targets and particles
-  NeighbourRule rule_;  // refers to radii_
+  OwnSupports supports_;  // of the caller's targets and particles
+  NeighbourRule rule_;    // refers to supports_
   NeighbourRule rule_before_ = Nearest{1};
   NeighbourList<Scalar> given_;  // the caller's, until fit() takes it
   std::shared_ptr<const ShapeKernel<Scalar>> kernel_;
@@ -111,7 +111,7 @@ class FitProblem {
 
   PointCloud<Scalar> incoming_, targets_;
   CountingSort sort_;
-  std::vector<double> ordered_radii_;
+  std::vector<double> ordered_supports_;
   Array<std::uint32_t> target_of_;    // until make_pattern() takes it
   NeighbourList<Scalar> neighbours_;  // likewise
   Array<Scalar> values_;

@@ -54,6 +54,50 @@ Scalar norm_of(double unit, Scalar rho, int dimension, std::size_t t) {
   return norm;
 }
 
+// 1 / (c det A) of a support tensor, as norm_of() gives it for a ball; `whose` names it.
+template <class Scalar, int D>
+Scalar norm_of_tensor(double unit, const detail::SymmetricTensor<D>& tensor,
+                      const std::string& whose) {
+  const double volume = unit * tensor.determinant();
+  const auto norm = static_cast<Scalar>(1 / volume);
+  if (!std::isnormal(volume) || !std::isnormal(norm)) [[unlikely]]
+    detail::throw_invalid("determinant of the support tensor of " + whose + " in a kernel sum",
+                          tensor.determinant(),
+                          "must have a 1 / (c det A) that is a normal number in " +
+                              std::string(sizeof(Scalar) == sizeof(float) ? "float" : "double") +
+                              ": choose another unit of length");
+  return norm;
+}
+
+// What turns the offsets of a target's entries, `count` along each axis, into A^-1 (x_p - x), and
+// sets `w` to 1 / (c det A), where supports are ellipsoids.
+template <int D, class Scalar>
+void to_tensors(const NeighbourList<Scalar>& list, std::size_t t, double unit, Scalar* offsets,
+                Scalar* w) {
+  using Tensor = detail::SymmetricTensor<D>;
+  const auto count = static_cast<std::size_t>(list.count(t));
+  const bool of_pairs = !list.pair_tensor.empty();
+  const auto first = static_cast<std::size_t>(list.offsets[t]);
+  Tensor inverse;
+  Scalar norm = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (of_pairs || i == 0) {
+      const Tensor tensor =
+          Tensor::at(of_pairs ? list.pair_tensor.data() + (first + i) * Tensor::size
+                              : list.tensor.data() + t * Tensor::size);
+      inverse = tensor.inverse();
+      norm = norm_of_tensor<Scalar>(
+          unit, tensor,
+          of_pairs ? "entry " + std::to_string(first + i) : "target " + std::to_string(t));
+    }
+    std::array<double, D> offset;
+    for (std::size_t d = 0; d < D; ++d) offset[d] = static_cast<double>(offsets[d * count + i]);
+    const auto turned = inverse.times(offset);
+    for (std::size_t d = 0; d < D; ++d) offsets[d * count + i] = static_cast<Scalar>(turned[d]);
+    w[i] = norm;
+  }
+}
+
 // The values of a list, in numbers of places, of targets in the coordinates of the cloud.
 template <class Scalar>
 void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scalar>& targets,
@@ -68,9 +112,10 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
   double unit = integral;
   for (int d = 0; d < dimension; ++d) unit *= cloud.stretch()[d];
   values.resize(list.indices.size());
+  const bool has_tensors = !list.tensor.empty();  // and where pairs have tensors targets have too
   parallel_blocks(
       list.targets(), targets_per_block, options.threads, [&](std::size_t begin, std::size_t end) {
-        std::vector<Scalar> q;
+        std::vector<Scalar> q, offsets;
         for (std::size_t t = begin; t < end; ++t) {
           const std::int64_t first = list.offsets[t];
           const auto count = static_cast<std::size_t>(list.count(t));
@@ -78,18 +123,29 @@ void evaluate_kernels(const detail::Cloud<Scalar>& cloud, const PointCloud<Scala
           const Scalar* const of_pairs =
               list.pair_support.empty() ? nullptr : list.pair_support.data() + first;
           const auto rho = [&](std::size_t i) { return of_pairs ? of_pairs[i] : list.support[t]; };
-          // Radial: q is |x_p - x| / rho; tensor product: one factor for each axis.
-          q.assign(count, Scalar(0));
-          std::fill_n(w, count, norm_of(unit, list.support[t], dimension, t));
-          for (std::size_t i = 0; of_pairs && i < count; ++i)
-            w[i] = norm_of(unit, of_pairs[i], dimension, t);
-          for (int d = 0; d < dimension; ++d) {
+          offsets.resize(count * static_cast<std::size_t>(dimension));
+          for (int d = 0; d < dimension; ++d)
             for (std::size_t i = 0; i < count; ++i) {
               const std::size_t e = static_cast<std::size_t>(first) + i;
               Scalar along = particles(list.indices[e], d) - targets(t, d);
               if (!list.shifts.empty())
                 along += static_cast<Scalar>(list.shifts[e][d]) * cloud.domain().period(d);
-              along /= rho(i);
+              offsets[static_cast<std::size_t>(d) * count + i] =
+                  has_tensors ? along : along / rho(i);
+            }
+          if (has_tensors) {
+            detail::with_dimension(
+                dimension, [&](auto D) { to_tensors<D>(list, t, unit, offsets.data(), w); });
+          } else {
+            std::fill_n(w, count, norm_of(unit, list.support[t], dimension, t));
+            for (std::size_t i = 0; of_pairs && i < count; ++i)
+              w[i] = norm_of(unit, of_pairs[i], dimension, t);
+          }
+          // Radial: q is the length of an offset; tensor product: one factor for each axis.
+          q.assign(count, Scalar(0));
+          for (int d = 0; d < dimension; ++d) {
+            for (std::size_t i = 0; i < count; ++i) {
+              const Scalar along = offsets[static_cast<std::size_t>(d) * count + i];
               q[i] = radial ? q[i] + along * along : std::abs(along);
             }
             if (radial) continue;
@@ -122,6 +178,10 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
                                     const KernelOptions& options) {
   const detail::Cloud<Scalar>& cloud = *sources.cloud();
   detail::require_form(options.form);
+  detail::require(options.form == WeightForm::radial ||
+                      !std::holds_alternative<PairEllipsoids>(options.support),
+                  "form", "tensor_product",
+                  "must be radial where pairs have ellipsoids of their own");
   const NeighbourOptions search = detail::search_options(options, options.form);
   PointCloud<Scalar> at;
   cloud.take_targets(targets, "targets", options.threads, at);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "operators/fit_problem.hpp"
+#include "operators/list_rows.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon {
@@ -204,19 +205,9 @@ NeighbourList<Scalar> BasicReconstruction<Scalar>::neighbours() const {
   out.support_factor = list.support_factor;
   out.indices.reserve(list.indices.size());
   out.shifts.reserve(list.shifts.size());
-  out.pair_support.reserve(list.pair_support.size());
-  for (std::size_t t = 0; t < list.targets(); ++t) {
-    const std::size_t row = pattern.row(t);
-    const std::int64_t begin = list.offsets[row], end = list.offsets[row + 1];
-    out.indices.insert(out.indices.end(), list.indices.begin() + begin, list.indices.begin() + end);
-    if (!list.shifts.empty())
-      out.shifts.insert(out.shifts.end(), list.shifts.begin() + begin, list.shifts.begin() + end);
-    if (!list.pair_support.empty())
-      out.pair_support.insert(out.pair_support.end(), list.pair_support.begin() + begin,
-                              list.pair_support.begin() + end);
-    out.offsets.push_back(static_cast<std::int64_t>(out.indices.size()));
-    out.support.push_back(list.support[row]);
-  }
+  const detail::NumbersOf numbers(list);
+  for (std::size_t t = 0; t < list.targets(); ++t)
+    detail::append_row(list, pattern.row(t), numbers, out);
   return out;
 }
 

@@ -49,6 +49,9 @@ void define_errors(py::module_& m) {
       made.attr("value") = e.value();
       made.attr("rule") = e.rule();
       PyErr_SetObject(invalid_argument, made.ptr());
+    } catch (const py::cast_error&) {
+      PyErr_SetString(PyExc_TypeError,
+                      "an argument, or what a function has returned, is of the wrong type");
     } catch (const Cancelled& e) {
       PyErr_SetString(cancelled, e.what());
     } catch (const FileError& e) {

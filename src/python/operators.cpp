@@ -228,9 +228,44 @@ Matrix<Index, Scalar> matrix_of(const CsrOperator<Scalar>& op, const Rows& rows)
   return out;
 }
 
+// Row t * outputs + i of the matrix is component i at target t, column p * inputs + c component c of
+// particle p.
 template <class Index, class Scalar>
-py::object scipy_matrix(const PyOperator& op, const CsrOperator<Scalar>& map) {
-  Matrix<Index, Scalar> matrix;
+Matrix<Index, Scalar> matrix_of(const VectorOperator<Scalar>& op, const Rows& rows) {
+  const SparsityPattern<Scalar>& pattern = op.gradient().pattern();
+  pattern.require_current();
+  const NeighbourList<Scalar>& list = pattern.neighbours;
+  const std::span<const Scalar> slopes = op.gradient().numbers();
+  const auto axes = static_cast<std::size_t>(op.gradient().blocks());
+  Matrix<Index, Scalar> out;
+  const std::size_t entries = op.gradient().entries() * op.terms().size();
+  out.indices.reserve(entries);
+  out.values.reserve(entries);
+  out.offsets.push_back(0);
+  for (std::size_t t = 0; t < op.rows(); ++t) {
+    const std::size_t row = pattern.row(t);
+    for (int output = 0; output < op.outputs(); ++output) {
+      for (std::int64_t e = list.offsets[row]; e < list.offsets[row + 1]; ++e) {
+        const ParticleIndex particle = list.indices[e];
+        const auto column = static_cast<Index>(rows.shown ? (*rows.shown)[particle] : particle) *
+                            static_cast<Index>(op.inputs());
+        for (const auto& term : op.terms()) {
+          if (term.output != output) continue;
+          out.indices.push_back(column + static_cast<Index>(term.component));
+          out.values.push_back(
+              term.factor *
+              slopes[static_cast<std::size_t>(e) * axes + static_cast<std::size_t>(term.axis)]);
+        }
+      }
+      out.offsets.push_back(static_cast<Index>(out.indices.size()));
+    }
+  }
+  return out;
+}
+
+template <class Index, class Map>
+py::object scipy_matrix(const PyOperator& op, const Map& map) {
+  Matrix<Index, ScalarOf<Map>> matrix;
   {
     const auto lock = op.cloud->guard.read(sources_name);
     const py::gil_scoped_release release;
@@ -242,7 +277,7 @@ py::object scipy_matrix(const PyOperator& op, const CsrOperator<Scalar>& map) {
       csr(py::make_tuple(part(std::move(matrix.values)), part(std::move(matrix.indices)),
                          part(std::move(matrix.offsets))),
           py::arg("shape") =
-              py::make_tuple(map.rows() * static_cast<std::size_t>(map.blocks()), op.rows.size),
+              py::make_tuple(map.rows() * per_target(map), op.rows.size * per_particle(map)),
           py::arg("copy") = false);
   return op.transposed ? py::object(made.attr("T")) : made;
 }
@@ -250,17 +285,14 @@ py::object scipy_matrix(const PyOperator& op, const CsrOperator<Scalar>& map) {
 py::object to_scipy(const PyOperator& op) {
   return std::visit(
       [&](const auto& map) -> py::object {
-        if constexpr (is_vector<decltype(map)>) {
-          // Rows of the divergence, curl and strain rate are sums of those of the gradient: what
-          // the operator makes of fields that are 1 in one component of one particle.
-          throw_invalid("operator", "divergence, curl or strain rate",
-                        "has no matrix of its own: that of the gradient has");
-        } else {
-          const std::size_t numbers = map.entries() * static_cast<std::size_t>(map.blocks());
-          const bool small =
-              numbers < (std::size_t{1} << 31) && op.rows.size < (std::size_t{1} << 31);
-          return small ? scipy_matrix<std::int32_t>(op, map) : scipy_matrix<std::int64_t>(op, map);
-        }
+        std::size_t entries = 0;
+        if constexpr (is_vector<decltype(map)>)
+          entries = map.gradient().entries() * map.terms().size();
+        else
+          entries = map.entries() * per_target(map);
+        constexpr std::size_t most = std::size_t{1} << 31;
+        const bool small = entries < most && op.rows.size * per_particle(map) < most;
+        return small ? scipy_matrix<std::int32_t>(op, map) : scipy_matrix<std::int64_t>(op, map);
       },
       *op.map);
 }
@@ -386,7 +418,8 @@ InvalidArgument
           py::is_operator())
       .def("to_scipy", &to_scipy, R"(The operator as a scipy.sparse.csr_matrix.
 
-Row t * blocks + b is number b of target t; columns are particles. Targets without support have empty
+Row t * blocks + b is number b of target t; columns are particles, of divergence, curl and strain rate
+p * D + c for component c of particle p: shapes as arrays without gaps have them. Targets without support have empty
 rows: there is no fill value. A particle may stand in a row several times (periodic images). The arrays
 of the matrix are made for it, in the order of the targets, and are not copied again.)")
       .def("row", &row_of, py::arg("target"), R"(The particles of one target, and their numbers.

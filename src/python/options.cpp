@@ -71,7 +71,9 @@ std::size_t count_of(py::handle object, const char* name) {
 template <class Index>
 Array<Index> array_of(py::handle object, const char* name) {
   const py::array array = py::array::ensure(object);
-  if (!array || (array.dtype().kind() != 'i' && array.dtype().kind() != 'u') || array.ndim() != 1)
+  const bool is_whole =
+      array && (array.dtype().kind() == 'i' || array.dtype().kind() == 'u' || array.size() == 0);
+  if (!is_whole || array.ndim() != 1)
     throw_invalid(name, text_of(py::repr(object)).substr(0, 60),
                   "must be a one-dimensional array of integers");
   const auto numbers =
@@ -200,7 +202,19 @@ std::string enumerator_name(py::handle object, const char* argument) {
   throw_invalid(argument, text_of(py::repr(object)), "must be the name of an enumerator");
 }
 
+void require_callable(py::handle object, const char* name) {
+  if (!PyCallable_Check(object.ptr()))
+    throw_invalid(name, text_of(py::repr(object)), "must be callable");
+}
+
+bool answer_of(const py::object& answer, const char* name) {
+  if (answer.is_none())
+    throw_invalid(std::string("answer of ") + name, "None", "must be True or False");
+  return answer.cast<bool>();
+}
+
 Progress progress_of(py::object callback) {
+  if (!callback.is_none()) require_callable(callback, "progress");
   std::shared_ptr<py::object> function;
   if (!callback.is_none()) function = shared(std::move(callback));
   return [function](double fraction) {
@@ -344,11 +358,12 @@ Choice choice_of(const py::dict& keywords, const Rows& rows) {
     } else if (name == "domain") {
       options.domain = domain_of(value);
     } else if (name == "visible") {
+      require_callable(value, "visible");
       const auto function = shared(py::reinterpret_borrow<py::object>(value));
-      // Messages and functions know the caller's rows.
+      // Functions know the caller's rows.
       options.visible = [function, shown = rows.shown](std::size_t target, std::size_t particle) {
         const py::gil_scoped_acquire lock;
-        return (*function)(target, shown ? (*shown)[particle] : particle).cast<bool>();
+        return answer_of((*function)(target, shown ? (*shown)[particle] : particle), "visible");
       };
     } else if (name == "grow") {
       if (!set_member(value, options.grow)) named.set("grow.steps", number_of(value, "grow"));

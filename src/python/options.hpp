@@ -64,6 +64,9 @@ Enumerator enumerator(py::handle object, const char* argument,
   return named(enumerator_name(object, argument));
 }
 
+// Throws InvalidArgument for what cannot be called.
+void require_callable(py::handle object, const char* name);
+
 // The Progress of a call: looks for signals (KeyboardInterrupt) and calls the function, unless it
 // is None. What either raises passes through the call.
 Progress progress_of(py::object callback);

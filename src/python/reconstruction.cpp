@@ -556,8 +556,14 @@ kind : {"exact", "diffuse"}
                                           ? py::dtype::of<float>()
                                           : py::dtype::of<double>();
                              })
-      .def("to_scipy", [](const PyTransposedFit& t) {
-        return py::cast(values_of(*t.fit)).attr("to_scipy")().attr("T");
+      .def("to_scipy",
+           [](const PyTransposedFit& t) {
+             return py::cast(values_of(*t.fit)).attr("to_scipy")().attr("T");
+           })
+      .def("__repr__", [](const PyTransposedFit& t) {
+        const py::tuple shape = shape_of(*t.fit);
+        return "<recon.TransposedReconstruction of shape " +
+               text_of(py::make_tuple(shape[1], shape[0])) + ">";
       });
   transposed.attr("__array_ufunc__") = py::none();
 

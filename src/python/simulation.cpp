@@ -32,7 +32,9 @@ py::array copy_of(const bindings::ParticleArrayView& view) {
 class Between {
  public:
   Between(py::object callback, const AnySimulation& simulation)
-      : callback_(shared(std::move(callback))), simulation_(simulation) {}
+      : callback_(shared(callback)), simulation_(simulation) {
+    if (!callback.is_none()) require_callable(callback, "progress");
+  }
 
   void operator()() {
     const auto now = std::chrono::steady_clock::now();

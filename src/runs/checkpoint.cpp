@@ -6,7 +6,7 @@
 #include <cmath>
 #include <system_error>
 
-#include "mpm/finite.hpp"
+#include "core/entries.hpp"
 #include "recon/io/atomic_file.hpp"
 #include "runs/identity.hpp"
 #include "runs/sealed_file.hpp"
@@ -131,7 +131,7 @@ void check_particles(const Reader& read, const Particles<D>& found, const Proble
   };
   found.arrays(problem.kept(), [&](const ParticleArray& array, const auto& values) {
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (!is_finite(values[i]))
+      if (!recon::detail::entries_finite(values[i]))
         bad(i / array.per_particle, std::string(array.name) + " is not finite");
   });
   // The particles of the problem are made anew in each run, perhaps with other roundings.

@@ -3,10 +3,12 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <limits>
 #include <map>
 
 #include "recon/core/names.hpp"
 #include "recon/io/write.hpp"
+#include "runs/material_keys.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -55,6 +57,31 @@ Tensor full_stress(const Problem<D>& problem, const Particles<D>& particles, std
   return full<D>(particles.stress[p], beyond);
 }
 
+// The names of the history variables of all materials.
+std::vector<std::string> history_fields() {
+  std::vector<std::string> names;
+  for_each_material([&]<class M>(const M&) {
+    if constexpr (history_of<M>() > 0)
+      names.insert(names.end(), M::history.begin(), M::history.end());
+  });
+  return names;
+}
+
+// NaN where the particle's material has no such variable.
+template <int D>
+double remembered(const Problem<D>& problem, const Particles<D>& particles, std::size_t p,
+                  std::string_view name) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  const auto find = [&]<class M>(const M&) {
+    const std::size_t history = particles.history.size() / particles.size();
+    for (std::size_t i = 0; i < history_of<M>(); ++i)
+      if constexpr (history_of<M>() > 0)
+        if (M::history[i] == name) value = particles.history[p * history + i];
+  };
+  std::visit(find, problem.materials[static_cast<std::size_t>(particles.body[p])]);
+  return value;
+}
+
 double pressure(const Tensor& stress) {
   return -stress.trace() / 3;
 }
@@ -97,7 +124,7 @@ std::map<std::string, ParticleField> fields_of(const Problem<D>& problem,
                          NumberType::float64, FieldKind::tensor};
   };
   const auto stress = [&](std::size_t p) { return full_stress(problem, particles, p); };
-  return {
+  std::map<std::string, ParticleField> fields{
       {"velocity", vector([&](std::size_t p) { return particles.v[p]; })},
       {"displacement",
        vector([&](std::size_t p) -> Vector<D> { return particles.x[p] - particles.X[p]; })},
@@ -114,6 +141,10 @@ std::map<std::string, ParticleField> fields_of(const Problem<D>& problem,
       {"velocity_gradient", tensor([&](std::size_t p) { return full<D>(particles.L[p], 0); })},
       {"energy", number([&](std::size_t p) { return particles.energy[p]; })},
   };
+  for (const std::string& name : history_fields())
+    fields.emplace(
+        name, number([&, name](std::size_t p) { return remembered(problem, particles, p, name); }));
+  return fields;
 }
 
 FieldSet fields_at(double time, std::int64_t step) {
@@ -175,27 +206,19 @@ void add_reports(FieldSet& fields, std::size_t count, const FitReports& fit,
 
 }  // namespace
 
-std::span<const std::string> particle_fields() {
-  static const std::vector<std::string> names{"velocity",
-                                              "displacement",
-                                              "stress",
-                                              "von_mises",
-                                              "pressure",
-                                              "F",
-                                              "det_F",
-                                              "density",
-                                              "mass",
-                                              "volume",
-                                              "body",
-                                              "id",
-                                              "velocity_gradient",
-                                              "energy"};
-  return names;
+std::vector<std::string> default_particle_fields() {
+  return {"velocity", "displacement", "stress", "von_mises", "pressure", "F",
+          "det_F",    "density",      "mass",   "volume",    "body",     "id"};
 }
 
-std::vector<std::string> default_particle_fields() {
-  const auto all = particle_fields();
-  return {all.begin(), all.end() - 2};
+std::span<const std::string> particle_fields() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all = default_particle_fields();
+    all.insert(all.end(), {"velocity_gradient", "energy"});
+    for (const std::string& name : history_fields()) all.push_back(name);
+    return all;
+  }();
+  return names;
 }
 
 template <int D>

@@ -1,15 +1,16 @@
 #include "runs/identity.hpp"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "core/brief.hpp"
+#include "recon/runs/compose.hpp"
+#include "runs/material_keys.hpp"
 
 namespace recon::mpm {
 namespace {
 
 std::string text_of(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.12g", value == 0 ? 0.0 : value);
-  return text;
+  return recon::detail::brief(value == 0 ? 0.0 : value, 12);
 }
 
 template <int D>
@@ -21,8 +22,8 @@ std::string text_of(const Vector<D>& value) {
 
 void add_method(const Method& method, Identity& out) {
   out.emplace_back("method.name", method.name);
-  for (const MethodKey& key : method_keys())
-    out.emplace_back("method." + key.name, method.get(key.name));
+  for (const std::string& key : method_keys())
+    out.emplace_back("method." + key, choice_text(method, key));
 }
 
 std::string one_line(std::string text) {

@@ -41,7 +41,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const double half = simulation.velocity_lag();
 
   const VelocityMap map = problem.method.velocity;
-  const auto modes = static_cast<std::size_t>(mode_count(map, D));
+  const std::size_t modes = mode_count(map, D);
 
   // Sums of blocks, added in their order.
   std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
@@ -61,8 +61,8 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
             add<D>(sum.momentum, momentum);
             add_angular<D>(sum.angular, particles.x[p], momentum);
             if (modes > 0) {
-              of.fill(problem.grid, shape_of, particles.x[p], shape, mode_set(map));
-              const Matrix<D> moment = of.moment(m, &particles.modes[p * modes]);
+              fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
+              const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
               for (int d = 0; d < D; ++d)
                 add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
             }

@@ -8,6 +8,7 @@
 #include "recon/io/read.hpp"
 #include "recon/runs/forecast.hpp"
 #include "runs/bodies.hpp"
+#include "runs/material_keys.hpp"
 #include "runs/problem_reader.hpp"
 
 namespace recon::mpm {

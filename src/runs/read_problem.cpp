@@ -4,6 +4,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "recon/runs/compose.hpp"
+#include "runs/material_keys.hpp"
 #include "runs/problem_reader.hpp"
 
 namespace recon::mpm {
@@ -58,8 +60,8 @@ KnownKeys known_keys() {
     return std::any_of(keys.settable.begin(), keys.settable.end(),
                        [&](const std::string& each) { return each.ends_with("." + key); });
   };
-  for (const MethodKey& key : method_keys())
-    (is_taken(key.name) ? keys.others : keys.settable).push_back("method." + key.name);
+  for (const std::string& key : method_keys())
+    (is_taken(key) ? keys.others : keys.settable).push_back("method." + key);
   for_each_material([&]<class M>(const M&) {
     if constexpr (requires { M::parameters(); })
       for (const auto& [key, member] : M::parameters()) {
@@ -105,16 +107,17 @@ void read_method(ProblemReader<D>& reader) {
     name = table.choice("name", names, true);
   }
   checked(table, "name", [&] { chosen = composed(name); });
-  for (const MethodKey& key : method_keys()) {
-    if (!table.has(key.name)) continue;
-    std::string value;
-    using enum MethodKey::Kind;
-    if (key.kind == word) value = table.choice(key.name, key.words);
-    if (key.kind == flag) value = table.boolean(key.name, false) ? "true" : "false";
-    if (key.kind == integer) value = std::to_string(table.integer(key.name, 0, 0, 1000));
-    if (key.kind == number) value = recon::detail::to_text(table.number(key.name));
-    checked(table, key.name, [&] { chosen.set(key.name, value); });
-  }
+  chosen.choices([&]<class T>(const char* key, T& choice) {
+    if (!table.has(key)) return;
+    if constexpr (std::is_enum_v<T>)
+      set_choice(chosen, key, table.choice(key, names_of<T>()));
+    else if constexpr (std::is_same_v<T, bool>)
+      choice = table.boolean(key, false);
+    else if constexpr (std::is_integral_v<T>)
+      choice = table.integer(key, 0, 0, 1000);
+    else
+      choice = table.number(key);
+  });
   table.finish();
   checked(table, "name", [&] { chosen.validate(D); });
 }

@@ -21,13 +21,19 @@ struct LaneReport {
 
 template <class Scalar>
 struct LaneTask {
-  const Scalar* particles = nullptr;  // D coordinates of each
-  const Scalar* targets = nullptr;
+  const Scalar* particles = nullptr;      // D coordinates of each
+  const Scalar* targets = nullptr;        // from `begin` on, D coordinates of each
   const std::int64_t* offsets = nullptr;  // the neighbour list
   const ParticleIndex* indices = nullptr;
   const ImageShift* shifts = nullptr;  // null: none
   const Scalar* support = nullptr;
   const Scalar* pair_support = nullptr;  // null: none
+  // Where supports are ellipsoids, local_frames.hpp: x_p - x of the entries, from the first of
+  // `begin` on, D numbers each, `targets` then only their sizes; and q and q dq / dxi of the
+  // entries whose supports belong to the pair. Null: none.
+  const Scalar* local_offsets = nullptr;
+  const Scalar* pair_distances = nullptr;
+  const Scalar* pair_slopes = nullptr;
   std::array<Scalar, max_dimension> period{};
   Scalar support_factor = 0;                 // as in NeighbourList
   const Scalar* particle_weights = nullptr;  // as in ShapeProblem

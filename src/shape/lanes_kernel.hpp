@@ -105,7 +105,7 @@ class Lanes {
       if (!(task_.support[t] > 8 * std::numeric_limits<Scalar>::min())) count_[l] = 0;
       if (count_[l] > 0) rho[l] = task_.support[t];
       present[l] = static_cast<Scalar>(count_[l]);
-      for (int d = 0; d < D; ++d) x[d][l] = task_.targets[t * D + d];
+      for (int d = 0; d < D; ++d) x[d][l] = task_.targets[(t - task_.begin) * D + d];
       most = count_[l] > most ? count_[l] : most;
     }
     for (int l = used; l < lanes; ++l) count_[l] = 0;
@@ -114,6 +114,7 @@ class Lanes {
     for (int l = 0; l < lanes; ++l) gather(l, most, x);
     if (task_.particle_weights) gather_particle_weights(most);
     if (task_.pair_support) gather_pair_supports(most);
+    if (task_.pair_distances) gather_pair_distances(most);
     fetch(i + lanes);
     stencil_.weigh(Weights{task_}, task_.form, slopes_, task_.support_factor);
     const LocalCloud<T, D> cloud = stencil_.cloud();
@@ -149,11 +150,17 @@ class Lanes {
       offset[d] = stencil_.offsets(d) + l;
       centre[d] = x[d][l];
     }
-    for (int p = 0; p < n; ++p) {
-      const Scalar* at = task_.particles + std::size_t{index[p]} * D;
-      for (int d = 0; d < D; ++d) offset[d][p * lanes] = at[d] - centre[d];
+    if (task_.local_offsets) {
+      const Scalar* local = task_.local_offsets + (n > 0 ? entry(l) * D : 0);
+      for (int p = 0; p < n; ++p)
+        for (int d = 0; d < D; ++d) offset[d][p * lanes] = local[p * D + d];
+    } else {
+      for (int p = 0; p < n; ++p) {
+        const Scalar* at = task_.particles + std::size_t{index[p]} * D;
+        for (int d = 0; d < D; ++d) offset[d][p * lanes] = at[d] - centre[d];
+      }
     }
-    if (task_.shifts && n > 0) {
+    if (task_.shifts && !task_.local_offsets && n > 0) {
       const std::int8_t* shift = reinterpret_cast<const std::int8_t*>(task_.shifts + row_[l]);
       for (int p = 0; p < n; ++p)
         for (int d = 0; d < D; ++d)
@@ -182,6 +189,29 @@ class Lanes {
       for (int p = n; p < most; ++p) supports[p * lanes + l] = 1;
     }
   }
+
+  void gather_pair_distances(int most) {
+    const int slopes = slopes_ ? D : 0;
+    Scalar* distance = stencil_.pair_distances();
+    std::array<Scalar*, D> slope{};
+    for (int d = 0; d < slopes; ++d) slope[d] = stencil_.pair_slopes(d);
+    for (int l = 0; l < lanes; ++l) {
+      const int n = count_[l];
+      const std::int64_t first = n > 0 ? entry(l) : 0;
+      for (int p = 0; p < n; ++p) {
+        distance[p * lanes + l] = task_.pair_distances[first + p];
+        for (int d = 0; d < slopes; ++d)
+          slope[d][p * lanes + l] = task_.pair_slopes[(first + p) * D + d];
+      }
+      for (int p = n; p < most; ++p) {
+        distance[p * lanes + l] = 1;
+        for (int d = 0; d < slopes; ++d) slope[d][p * lanes + l] = 0;
+      }
+    }
+  }
+
+  // The first entry of a lane, from the first of the task on.
+  std::int64_t entry(int l) const { return row_[l] - task_.offsets[task_.begin]; }
 
   void scatter(int l, const ShapeArrays<T, D>& out) {
     const int n = count_[l];

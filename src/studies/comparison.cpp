@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "recon/runs/compose.hpp"
 #include "recon/runs/ledger.hpp"
 #include "recon/runs/run.hpp"
 #include "recon/studies/stability.hpp"

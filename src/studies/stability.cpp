@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 
 namespace recon::mpm {
 namespace {

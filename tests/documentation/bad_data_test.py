@@ -108,7 +108,7 @@ TESTS = {
         ["programs.MpmProgram.StabilityLimits", "studies.Stability.LimitFollowsFromTheMaps",
          "mpm.Elements.WithStressBreakWhenAMassChangesItsSign"],
     "choices of a method that do not go together, unknown words in a composition":
-        ["mpm.Methods.SayWhyChoicesAreRefused", "mpm.Methods.AreComposed", "runs.MpmFiles.MethodsAreComposed"],
+        ["mpm.Methods.SayWhyChoicesAreRefused", "runs.Composition.IsARowWithOtherChoices", "runs.MpmFiles.MethodsAreComposed"],
     "a point of another dimension than the grid's in `scatter` and `gather`":
         ["structure.scatter_of_another_dimension_is_refused_arrays",
          "structure.scatter_of_another_dimension_is_refused_eigen",

@@ -15,7 +15,7 @@
 #include "recon/transfer/scatter.hpp"
 #ifdef SAMPLES_OF_MPM
 #include "recon/mpm/problem.hpp"
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 #endif
 
 namespace samples {

@@ -174,7 +174,7 @@ TEST_P(EveryMethodsPhysics, ParticlesOnAWall) {
   }
   problem.time.end = 0.1;
   if (!forecast(problem).warnings.empty()) {
-    EXPECT_FALSE(GetParam().caveat().empty()) << GetParam().name;
+    EXPECT_FALSE(caveat(GetParam()).empty()) << GetParam().name;
     return;
   }
   Simulation<2> simulation(problem);
@@ -208,9 +208,9 @@ TEST(Walls, OnlyWallsHold) {
 template <int D>
 void expect_default_is_stable(const Method& method) {
   for (const bool free : {false, true}) {
-    if (free && !method.caveat().empty()) continue;
+    if (free && !caveat(method).empty()) continue;
     if (method.basis == Basis::q8) continue;  // no step is: stable_courant() is 0, so the run warns
-    ASSERT_LE(method.default_courant(D), method.stable_courant(D)) << method.name;
+    ASSERT_LE(method.default_courant(D), stable_courant(method, D)) << method.name;
     EXPECT_TRUE(is_stable(method, D, 2, method.default_courant(D), free))
         << method.name << " in " << D << "-D at " << method.default_courant(D)
         << (free ? ", free" : "");

@@ -1,5 +1,5 @@
 // Steps: rigid motion, conservation, threads, failures.
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 
 #include <cstring>
 

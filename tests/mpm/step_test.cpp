@@ -7,9 +7,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/compose.hpp"
 #include "recon/runs/ledger.hpp"
 #include "recon/runs/run.hpp"
+#include "recon/runs/simulation.hpp"
 #include "runs/support.hpp"
 
 namespace recon::mpm::test {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 #include "support/space.hpp"
 
 namespace recon::mpm::test {

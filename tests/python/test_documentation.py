@@ -56,7 +56,7 @@ def test_the_gallery_is_made(tmp_path: pathlib.Path) -> None:
 
 def test_every_name_has_a_text() -> None:
     import recon
-    import recon.plot
+
 
     for module in (recon, recon.mpm, recon.plot):
         for name in module.__all__:

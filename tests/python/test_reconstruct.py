@@ -262,6 +262,9 @@ def test_short_forms_are_what_they_stand_for() -> None:
         ({"particle_weights": [1.0]}, "particle_weights"),
         ({"weight": object()}, "must be a name, or an object with"),
         ({"threads": -1}, "threads = -1: must not be negative"),
+        ({"progress": 3}, "progress = 3: must be callable"),
+        ({"visible": 3}, "visible = 3: must be callable"),
+        ({"visible": lambda target, particle: None}, "answer of visible = None: must be True or False"),
         ({"neighbours": recon.Radii([0.1])}, "must"),
     ],
 )
@@ -397,6 +400,21 @@ def test_matrices_of_scipy() -> None:
     np.testing.assert_array_equal(linear_operator.rmatvec(np.ones(600)), gradient.T @ np.ones((300, 2)))
 
 
+def test_matrices_of_what_mixes_components() -> None:
+    x, t = jittered(10, 3), inner(40, 3)
+    fit = recon.reconstruct(x, t)
+    v = np.random.default_rng(12).normal(size=x.shape)
+    for op in (fit.divergence(), fit.curl(), fit.strain_rate()):
+        matrix = op.to_scipy()
+        assert matrix.shape == op.shape and op.shape[1] == 3 * len(x)
+        np.testing.assert_allclose(matrix @ v.ravel(), (op @ v).ravel(), atol=1e-9)
+        np.testing.assert_allclose(op.matvec(v.ravel()), (op @ v).ravel(), atol=0)
+        f = np.random.default_rng(13).normal(size=op.shape[0])
+        np.testing.assert_allclose(op.T.to_scipy() @ f, op.rmatvec(f), atol=1e-9)
+        hidden = recon.reconstruct(masked(x, mask=x < 0.02), t)
+        assert hidden.divergence().to_scipy().shape == (40, 3 * len(x))
+
+
 def test_lists_of_neighbours_of_ones_own_with_int64() -> None:
     x, t = jittered(10, 2), inner(15, 2)
     sources = recon.Sources(x)
@@ -406,6 +424,8 @@ def test_lists_of_neighbours_of_ones_own_with_int64() -> None:
     np.testing.assert_allclose(
         recon.reconstruct(x, t, neighbours=own) @ x, recon.reconstruct(x, t, radius=0.3) @ x, rtol=1e-12
     )
+    nobody = recon.NeighbourList([0, 0], [], [1.0])
+    assert recon.reconstruct(x, t[:1], neighbours=nobody).report.no_support() == 1
     with pytest.raises(recon.InvalidArgument, match=r"indices\[1\] = -1"):
         recon.NeighbourList([0, 2], [0, -1], [1.0])
     with pytest.raises(recon.InvalidArgument, match="must be a one-dimensional array of integers"):
@@ -588,3 +608,5 @@ def test_values_on_grids(kind: str) -> None:
         result["w"]
     with pytest.raises(recon.InvalidArgument, match="option = 'degre'"):
         recon.on_grid(x, u, grid, degre=2)
+    with pytest.raises(recon.InvalidArgument, match="fields = {}: must be at least one"):
+        recon.on_grid(x, {}, grid)

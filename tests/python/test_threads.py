@@ -68,7 +68,7 @@ def test_an_update_beside_a_use_is_an_error_and_no_crash() -> None:
             seen.append(str(error))
         assert (fit @ LARGE).shape == (10, 3)  # another use is no trouble
 
-    recon.reconstruct(sources, LARGE[::4], degree=2, progress=progress)
+    recon.reconstruct(sources, LARGE, degree=3, threads=1, progress=progress)
     assert "the object Sources cannot be updated while another call uses it" in seen
     sources.update(LARGE[:1000])
     fit.update(LARGE[:10])

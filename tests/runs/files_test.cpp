@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "recon/io/read.hpp"
+#include "recon/runs/compose.hpp"
 #include "recon/runs/run.hpp"
 #include "runs/support.hpp"
 
@@ -500,9 +501,9 @@ TEST_F(MpmFiles, MethodsAreComposed) {
       "\"musl\"\ndegree = 2");
   const Method set = method("name = \"mpm\"", {"domain=cpdi1", "method.velocity=affine",
                                                "blend=0.25", "stress=musl", "degree=2"});
-  for (const MethodKey& key : method_keys()) {
-    EXPECT_EQ(named.get(key.name), beside.get(key.name)) << key.name;
-    EXPECT_EQ(named.get(key.name), set.get(key.name)) << key.name;
+  for (const std::string& key : method_keys()) {
+    EXPECT_EQ(choice_text(named, key), choice_text(beside, key)) << key;
+    EXPECT_EQ(choice_text(named, key), choice_text(set, key)) << key;
   }
   EXPECT_THAT(message(with("\"cpls\"", "\"cpls+velocty=mls\"")),
               AllOf(HasSubstr("method.name"), HasSubstr("velocity")));
@@ -707,7 +708,9 @@ TYPED_TEST(MpmFrames, AreOfThreeDimensions) {
     const auto stress = numbers_of(vtk, "stress", 9), F = numbers_of(vtk, "F", 9),
                velocity = numbers_of(vtk, "velocity", 3), pressure = numbers_of(vtk, "pressure", 1),
                von_mises = numbers_of(vtk, "von_mises", 1), mass = numbers_of(vtk, "mass", 1),
-               volume = numbers_of(vtk, "volume", 1), density = numbers_of(vtk, "density", 1);
+               volume = numbers_of(vtk, "volume", 1), density = numbers_of(vtk, "density", 1),
+               plastic = numbers_of(vtk, "plastic_strain", 1);
+    ASSERT_EQ(plastic.size(), problem.particles.size());
     const std::size_t count = problem.particles.size();
     ASSERT_EQ(stress.size(), 9 * count);
     ASSERT_EQ(F.size(), 9 * count);
@@ -731,6 +734,11 @@ TYPED_TEST(MpmFrames, AreOfThreeDimensions) {
                             2),
                   1e-9);
       EXPECT_NEAR(density[p] * volume[p], mass[p], 1e-12 * mass[p]);
+      if (history_of(material) == 0) {
+        EXPECT_TRUE(std::isnan(plastic[p]));
+      } else {
+        EXPECT_EQ(plastic[p], problem.particles.history[2 * p]);
+      }
     }
     // The list is XML whatever the name.
     EXPECT_THAT(this->contents(this->folder_ / "a&b<\"c_particles.pvd"),

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "recon/transfer/domain_functions.hpp"
 #include "support/space.hpp"
 
 namespace recon::test {
@@ -126,6 +127,82 @@ TYPED_TEST(Modes, ApproximateNodalData) {
     for (std::size_t n = 0; n < at.size(); ++n)
       EXPECT_LE((shown[n] - any[at.node[n]]).norm(), 1e-9);
   }
+}
+
+// Over boxes and parallelepipeds a linear field has its slope as coefficients, and the particle shows
+// it to every node; the moment is the sum that it stands for, of products as well.
+TYPED_TEST(Modes, OfDomainsKeepLinearFields) {
+  constexpr int D = TypeParam::value;
+  const CartesianGrid<D> grid = unit_grid<D>(5);
+  std::mt19937 random(4);
+  const SpaceMatrix<D> slope = random_deformation<D>(random, 1);
+  std::vector<SpaceVector<D>> linear, any;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    linear.push_back(SpaceVector<D>::Ones() + slope * grid.position(i));
+    any.push_back(random_point<D>(random, -1, 1));
+  }
+  const auto moment_of = [&](const auto& at, const SpaceVector<D>& x, const auto& modes,
+                             const std::vector<SpaceVector<D>>& c) {
+    std::vector<SpaceVector<D>> own(at.size(), SpaceVector<D>::Zero());
+    modes.add_to(own, at.size(), c);
+    SpaceMatrix<D> sum = SpaceMatrix<D>::Zero();
+    for (std::size_t n = 0; n < at.size(); ++n)
+      sum += at.S[n] * own[n] * (grid.position(at.node[n]) - x).transpose();
+    return sum;
+  };
+  const auto check = [&](const auto& at, const SpaceVector<D>& x, const char* name) {
+    DomainModes<D> modes;
+    modes.fill(grid, at);
+    std::vector<SpaceVector<D>> c(D), shown(at.size(), at.value(linear));
+    modes.coefficients(at, linear, c);
+    for (int d = 0; d < D; ++d) EXPECT_LE((c[d] - slope.col(d)).norm(), 1e-9) << name;
+    modes.add_to(shown, at.size(), c);
+    for (std::size_t n = 0; n < at.size(); ++n)
+      EXPECT_LE((shown[n] - linear[at.node[n]]).norm(), 1e-9) << name;
+    modes.coefficients(at, any, c);
+    EXPECT_LE((modes.moment(c) - moment_of(at, x, modes, c)).norm(), rounding) << name;
+  };
+  for (int round = 0; round < 20; ++round) {
+    const SpaceVector<D> x = random_point<D>(random, 0.2, 0.8);
+    const SpaceMatrix<D> half_edges = 0.08 * random_deformation<D>(random, 0.3);
+    NodeFunctions<D> at;
+    GimpFunctions::at(grid, ugimp_domain<D>(x, half_edges), at);
+    check(at, x, "box");
+    Cpdi1Functions::at(grid, ParallelepipedDomain<D>{x, half_edges}, at);
+    check(at, x, "parallelepiped");
+    for (const ModeSet set : {ModeSet::affine, ModeSet::polynomial}) {
+      const Around around(SplineFunctions<2>{}, grid, x, set);
+      std::vector<SpaceVector<D>> c(static_cast<std::size_t>(around.modes.count()));
+      around.modes.coefficients(around.at, any, c);
+      for (int r = 0; r < around.modes.count(); ++r)
+        EXPECT_EQ(c[r], around.modes.coefficient(r, around.at, any));
+      EXPECT_LE((around.modes.moment(c) - moment_of(around.at, x, around.modes, c)).norm(),
+                rounding);
+    }
+  }
+}
+
+// At a node of linear functions that node is all that is seen: no slope. Data that are not finite
+// are named.
+TEST(ModesOfDomains, OfASingleNodeAreZero) {
+  const CartesianGrid<2> grid = unit_grid<2>(4);
+  std::vector<SpaceVector<2>> u(grid.size(), SpaceVector<2>(1, 2)), c(2);
+  LinearFunctions::Nodes<2> at;
+  LinearFunctions{}.at(grid, SpaceVector<2>(0.5, 0.5), at);
+  DomainModes<2> modes;
+  modes.fill(grid, at);
+  modes.coefficients(at, u, c);
+  EXPECT_EQ(c[0].norm() + c[1].norm(), 0);
+  // Along an edge of cells only the slope beside it is unknown, which is as if there were none.
+  LinearFunctions{}.at(grid, SpaceVector<2>(0.6, 0.5), at);
+  modes.fill(grid, at);
+  modes.coefficients(at, u, c);
+  EXPECT_EQ(c[0].norm() + c[1].norm(), 0);
+  u[at.node[0]][1] = std::nan("");
+  EXPECT_THROW(modes.coefficients(at, u, c), InvalidArgument);
+  c[1][0] = std::nan("");
+  std::vector<SpaceVector<2>> shown(at.size(), SpaceVector<2>::Zero());
+  EXPECT_THROW(modes.add_to(shown, at.size(), c), InvalidArgument);
 }
 
 }  // namespace

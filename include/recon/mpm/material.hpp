@@ -14,7 +14,6 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "recon/core/error.hpp"
 #include "recon/mpm/types.hpp"
@@ -52,7 +51,7 @@ struct Lame {
 // is the stress along the directions without strain, in 1-D and 2-D; it follows from F and the
 // stress in the other directions.
 //
-// One that remembers more than these has `history`, the number of its variables: both functions
+// One that remembers more than these has `history`, the names of its variables: both functions
 // then take them last, as const double* in out_of_plane(). They are 0 at the start. One with more
 // constants than Lame's has parameters(): the keys of problem files with the members that they set.
 template <class M>
@@ -64,7 +63,7 @@ concept MaterialModel = std::derived_from<M, Lame> &&
     { material.template update<2>(F, L, dt, stress, energy) } -> std::same_as<void>;
     { material.template out_of_plane<2>(F, L) } -> std::convertible_to<double>;
   } || requires(double* history) {
-    { M::history } -> std::convertible_to<std::size_t>;
+    { M::history[0] } -> std::convertible_to<std::string_view>;
     { material.template update<2>(F, L, dt, stress, energy, history) } -> std::same_as<void>;
     { material.template out_of_plane<2>(F, L, history) } -> std::convertible_to<double>;
   };
@@ -74,7 +73,7 @@ concept MaterialModel = std::derived_from<M, Lame> &&
 template <class M>
 constexpr std::size_t history_of() {
   if constexpr (requires { M::history; })
-    return M::history;
+    return M::history.size();
   else
     return 0;
 }
@@ -127,7 +126,7 @@ struct LinearElastic : Lame {
 // what is dissipated included.
 struct VonMises : Lame {
   static constexpr std::string_view name = "von_mises";
-  static constexpr std::size_t history = 2;
+  static constexpr std::array history{"plastic_strain", "stress_beyond"};
   double yield = 0, hardening = 0;  // force / area
 
   static constexpr auto parameters() {
@@ -171,17 +170,6 @@ struct VonMises : Lame {
 // The materials that there are; the first one is the default of problem files.
 using Material = std::variant<NeoHookean, LinearElastic, VonMises>;
 
-// Calls work(M()) for each kind of material, in the order of the list.
-template <class Work, std::size_t at = 0>
-void for_each_material(Work&& work) {
-  if constexpr (at < std::variant_size_v<Material>) {
-    using M = std::variant_alternative_t<at, Material>;
-    static_assert(MaterialModel<M>);
-    work(M());
-    for_each_material<Work, at + 1>(std::forward<Work>(work));
-  }
-}
-
 inline const Lame& lame(const Material& material) {
   return std::visit([](const auto& m) -> const Lame& { return m; }, material);
 }
@@ -196,16 +184,4 @@ inline std::size_t history_of(const Material& material) {
 inline void validate_material(const Material& material) {
   std::visit([](const auto& m) { m.validate(); }, material);
 }
-// Its constants beyond Lame's, with their keys.
-inline std::vector<std::pair<std::string_view, double>> constants_of(const Material& material) {
-  std::vector<std::pair<std::string_view, double>> found;
-  std::visit(
-      [&](const auto& m) {
-        if constexpr (requires { m.parameters(); })
-          for (const auto& [key, member] : m.parameters()) found.emplace_back(key, m.*member);
-      },
-      material);
-  return found;
-}
-
 }  // namespace recon::mpm

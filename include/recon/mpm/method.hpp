@@ -1,9 +1,9 @@
 // A method is a choice of policies. The methods of the literature are rows of a table; any of their
-// choices can be replaced:
+// choices can be replaced (by their names in texts: runs/compose.hpp):
 //
 // ```cpp
-//   recon::mpm::Method method = recon::mpm::composed("cpdi1+velocity=affine+flip+blend=0.05");
-//   method.set("stress", "musl");
+//   recon::mpm::Method method = recon::mpm::method_named("cpdi1");
+//   method.velocity = recon::mpm::VelocityMap::affine;
 //   method.validate(2);  // throws where a choice needs what another one does not have
 // ```
 #pragma once
@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "recon/mpm/shapes.hpp"
@@ -89,6 +90,16 @@ enum class StressUpdate { last, first, musl };
 //                     as leapfrog, from a start that is half a step apart
 enum class Scheme { leapfrog, symplectic_euler };
 
+// What is done about a node of negative mass: it stands in MassSigns (nodes.hpp), or a step throws
+// Failure.
+enum class AtNegativeMass { report, stop };
+
+// The names of the choices, in the order of the enumerators.
+template <class Enum>
+requires std::is_enum_v<Enum> std::string_view name_of(Enum choice);
+template <class Enum>
+std::vector<std::string> names_of();
+
 // Kinds of these choices that are treated alike.
 inline bool is_element(Basis basis) {
   return basis == Basis::q8 || basis == Basis::q9;
@@ -119,14 +130,20 @@ struct Method {
   StressUpdate stress = StressUpdate::last;
   Scheme scheme = Scheme::leapfrog;
   SplineBorder border = SplineBorder::corrected;
-  bool momentum_correction = false;    // shift fitted v_i so that their momentum is the particles',
-                                       // also those of gauss_cells
-  bool stop_at_negative_mass = false;  // else it is reported: Simulation::negative_mass()
+  bool momentum_correction = false;  // shift fitted v_i so that their momentum is the particles',
+                                     // also those of gauss_cells
+  AtNegativeMass at_negative_mass = AtNegativeMass::report;
 
-  // A choice by its key in problem files (method_keys()). Throws InvalidArgument for a key or a
-  // value that there is not, with the nearest ones.
-  void set(std::string_view key, std::string_view value);
-  std::string get(std::string_view key) const;
+  // Calls each(key, choice) for every choice but name and source. This is the one list of them:
+  // needs, problem files, checkpoints and texts use it, in this order.
+  template <class Each>
+  void choices(Each&& each) {
+    list(*this, each);
+  }
+  template <class Each>
+  void choices(Each&& each) const {
+    list(*this, each);
+  }
 
   // The kick k of a step dt after one of last_dt, and the time by which velocities are behind the
   // positions after one of last_dt.
@@ -144,76 +161,53 @@ struct Method {
            !is_cell(quadrature) && stress == StressUpdate::last && update != Update::runge_kutta;
   }
 
-  // Steps in units of h / (c_p + |v|): the longest with which small noise does not grow, for two
-  // particles per cell and axis (docs/mpm.md has the measurement), and the default.
-  double stable_courant(int dimension) const;
+  // The default of the step, in units of h / (c_p + |v|).
   double default_courant(int dimension) const;
-  // A sentence about what breaks the method whatever the step is: always for elements, whose
-  // functions are negative in parts, and at free surfaces for quadrature over cells. Empty where
-  // nothing is known.
-  std::string caveat() const;
 
   // Throws InvalidArgument for choices that do not go together: which one, what it needs, and which
   // other one does not have it.
   void validate(int dimension) const;
-};
 
-// The keys of the choices above but name and source, in the order of problem files and checkpoints.
-struct MethodKey {
-  enum class Kind { word, integer, number, flag } kind;
-  std::string name;
-  std::vector<std::string> words;  // the values of a word
-  double (*get)(const Method&);    // the number of the word, or the value
-  void (*set)(Method&, double);
+ private:
+  template <class Self, class Each>
+  static void list(Self& of, Each& each) {
+    each("domain", of.domain);
+    each("basis", of.basis);
+    each("velocity", of.velocity);
+    each("quadrature", of.quadrature);
+    each("update", of.update);
+    each("blend", of.blend);
+    each("degree", of.degree);
+    each("order", of.order);
+    each("mass", of.mass);
+    each("stress", of.stress);
+    each("scheme", of.scheme);
+    each("spline_border", of.border);
+    each("momentum_correction", of.momentum_correction);
+    each("negative_mass", of.at_negative_mass);
+  }
 };
-std::span<const MethodKey> method_keys();
 
 // All methods of the table.
 std::span<const Method> methods();
 // Throws InvalidArgument for an unknown name, with the nearest valid ones.
 const Method& method_named(std::string_view name);
-// A row with other choices: "ROW+key=value+..." or, where a value is a word of one key alone,
-// "ROW+value". That text is its name. Throws InvalidArgument for what there is not.
-Method composed(std::string_view text);
-
-std::string_view name_of(Domain domain);
-std::string_view name_of(Basis basis);
-std::string_view name_of(VelocityMap map);
-std::string_view name_of(Quadrature quadrature);
-std::string_view name_of(Update update);
-std::string_view name_of(MassMatrix mass);
-std::string_view name_of(StressUpdate stress);
-std::string_view name_of(Scheme scheme);
 
 // Calls work(policy) with the policy of the method's domain and basis.
 template <class Work>
 decltype(auto) with_shape(const Method& method, Work&& work) {
-  switch (method.domain) {
-    case Domain::ugimp:
-      return work(UniformGimp{});
-    case Domain::cpgimp:
-      return work(StretchedGimp{});
-    case Domain::cpdi1:
-      return work(Cpdi1{});
-    case Domain::cpdi2:
-      return work(Cpdi2{});
-    case Domain::point:
-      break;
-  }
-  switch (method.basis) {
-    case Basis::q8:
-      return work(PointShape<EightNodeFunctions>{});
-    case Basis::q9:
-      return work(PointShape<NineNodeFunctions>{});
-    case Basis::bspline2:
-      return work(PointShape<SplineFunctions<2>>{{{method.border}}});
-    case Basis::bspline3:
-      return work(PointShape<SplineFunctions<3>>{{{method.border}}});
-    case Basis::mls_bspline2:
-      return work(PointShape<MomentSplineFunctions>{{{{method.border}}}});
-    case Basis::linear:
-      break;
-  }
+  if (method.domain == Domain::ugimp) return work(UniformGimp{});
+  if (method.domain == Domain::cpgimp) return work(StretchedGimp{});
+  if (method.domain == Domain::cpdi1) return work(Cpdi1{});
+  if (method.domain == Domain::cpdi2) return work(Cpdi2{});
+  if (method.basis == Basis::q8) return work(PointShape<EightNodeFunctions>{});
+  if (method.basis == Basis::q9) return work(PointShape<NineNodeFunctions>{});
+  if (method.basis == Basis::bspline2)
+    return work(PointShape<SplineFunctions<2>>{{{method.border}}});
+  if (method.basis == Basis::bspline3)
+    return work(PointShape<SplineFunctions<3>>{{{method.border}}});
+  if (method.basis == Basis::mls_bspline2)
+    return work(PointShape<MomentSplineFunctions>{{{{method.border}}}});
   return work(PointShape<LinearFunctions>{});
 }
 

@@ -2,7 +2,6 @@
 // cannot go on.
 #pragma once
 
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,6 +12,7 @@
 
 #include "recon/grid/reconstruct_on_grid.hpp"
 #include "recon/mpm/types.hpp"
+#include "recon/transfer/mass_matrix.hpp"
 
 namespace recon::mpm {
 
@@ -21,7 +21,11 @@ namespace recon::mpm {
 class Failure : public std::runtime_error {
  public:
   // place: "particle" or "node", the kind of thing that `number` counts.
-  Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what);
+  Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what)
+      : std::runtime_error("step " + std::to_string(step) + ", " + place + " " +
+                           std::to_string(number) + ": " + what),
+        step_(step),
+        number_(number) {}
   std::int64_t step() const { return step_; }
   std::size_t number() const { return number_; }
 
@@ -46,9 +50,6 @@ struct MassSigns {
   // The first node of negative mass, and the first whose mass changed its sign between two steps.
   std::optional<NegativeMass> negative, change;
 };
-
-// Entries of a matrix over nodes; several of one place add up.
-using MassEntries = std::vector<Eigen::Triplet<double>>;
 
 template <int D>
 struct Nodes {

@@ -7,7 +7,7 @@
 //   problem.densities = {1};
 //   problem.particles.add({0.5, 0.5}, half_edges, problem.densities[0], 0);  // particles.hpp
 //   problem.method = recon::mpm::method_named("cpls");
-//   recon::mpm::Simulation<2> simulation(problem);  // simulation.hpp
+//   recon::mpm::State<2> state = recon::mpm::start(problem);  // step.hpp, or runs/simulation.hpp
 // ```
 #pragma once
 
@@ -58,7 +58,7 @@ Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t)
   return load.magnitude(t) * (load.direction - follower);
 }
 
-// How the step is chosen; see Simulation::choose_step().
+// How the step is chosen; see choose_step().
 enum class StepRule { adaptive, p_wave, bar_wave, fixed };
 
 struct TimeOptions {

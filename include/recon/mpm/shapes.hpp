@@ -81,15 +81,10 @@ struct Cpdi2 {
     Cpdi2Functions::at(grid, domain, out);
     return domain.volume;
   }
-  // All nodes as far from x_p as its farthest corner is.
   template <int D>
   static std::pair<int, int> nodes_along(const Grid<D>& grid, const Particles<D>& particles,
                                          std::size_t p, int d) {
-    const double x = particles.x[p][d];
-    double reach = 0;
-    for (const Vector<D>& corner : particles.corners[p])
-      reach = std::max(reach, std::abs(corner[d] - x));
-    return {grid.cell(x - reach, d), grid.cell(x + reach, d) + 1};
+    return Cpdi2Functions::nodes_along<D>(grid, particles.corners[p], d);
   }
   // Corners move with the grid; the particle is their centroid.
   template <int D, class Velocity>

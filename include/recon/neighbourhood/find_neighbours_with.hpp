@@ -39,7 +39,7 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
                   particles.dimension(), "must be the dimension of the search");
   detail::require(search.size() == particles.size(), "particles in the search", search.size(),
                   "must be as many as in the cloud");
-  detail::require_valid_question(particles, targets, rule, domain);
+  detail::require_valid_question(particles, targets, rule, domain, options.shape);
 
   struct Block {
     std::vector<ParticleIndex> indices;
@@ -49,12 +49,14 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
   const std::size_t count = targets.size();
   std::vector<Block> blocks((count + block_size - 1) / block_size);
   const Scalar spacing = detail::mean_spacing(particles, domain);
+  const auto largest_pair = detail::largest_pair_support<S::dimension>(rule);
 
   NeighbourList<Scalar> list;
   list.offsets.resize(count + 1);
   list.support.resize(count);
   const auto search_block = [&](std::size_t begin, std::size_t end) {
-    detail::TargetNeighbours<S> neighbours(search, particles, targets, domain, options, spacing);
+    detail::TargetNeighbours<S> neighbours(search, particles, targets, domain, options, spacing,
+                                           largest_pair);
     Block& block = blocks[begin / block_size];
     for (std::size_t t = begin; t < end; ++t) {
       list.support[t] = std::visit([&](const auto& r) { return neighbours.find(t, r); }, rule);
@@ -78,8 +80,7 @@ NeighbourList<typename S::Scalar> find_neighbours_with(
               list.shifts.begin() + (domain.any() ? list.offsets[begin] : 0));
   });
   list.support_factor = detail::support_factor<Scalar>(rule);
-  if (const auto* pairs = std::get_if<PairRadii>(&rule))
-    detail::add_pair_supports(*pairs, options.threads, list);
+  detail::add_supports(rule, S::dimension, options.threads, list);
   return list;
 }
 

@@ -35,9 +35,15 @@ using ImageShift = std::array<std::int8_t, max_dimension>;
 // stands still. Nearest{k, factor} makes lists with its factor, all other rules make lists with 0;
 // a list of your own has 0 unless you set it.
 //
-// `pair_support` is empty, or holds for each index the support radius of that pair alone (a length):
-// the weight is then w(|x_p - x| / pair_support), and `support` only the unit of length of the fit,
-// which must be of the same order. Such supports stand still: support_factor is 0.
+// `pair_support` is empty, or holds for each index the support radius of that pair alone (a
+// length): the weight is then w(|x_p - x| / pair_support), and `support` only the unit of length of
+// the fit, which must be of the same order. Such supports stand still: support_factor is 0.
+//
+// `tensor` is empty, or holds for each target a packed support tensor A (support_tensor.hpp): q is
+// |A^-1 (x_p - x)|, `support` the largest half axis, and pair_support empty. `pair_tensor` likewise
+// holds for each index the tensor of that pair alone, for weights that are radial; `tensor` then is
+// only the unit of length of the fit along each direction, which must be of the same order (empty:
+// a ball of the radius `support`). Tensors stand still too. A tensor has D (D + 1) / 2 numbers.
 template <class Scalar>
 struct NeighbourList {
   Array<std::int64_t> offsets{0};
@@ -45,6 +51,7 @@ struct NeighbourList {
   Array<ImageShift> shifts;
   Array<Scalar> support;
   Array<Scalar> pair_support;
+  Array<Scalar> tensor, pair_tensor;
   Scalar support_factor = 0;
 
   std::size_t targets() const { return offsets.size() - 1; }
@@ -55,8 +62,9 @@ struct NeighbourList {
 
   // Throws InvalidArgument unless the list is one for `target_count` targets among `particle_count`
   // particles: offsets start at 0, never fall and end at the number of indices; every index is
-  // smaller than particle_count; shifts and pair supports are absent or one per index; supports are
-  // positive and finite; support_factor is 0, or without pair supports finite and at least 1.
+  // smaller than particle_count; shifts, pair supports and pair tensors are absent or one per
+  // index, tensors absent or one per target; supports are positive and finite, tensors positive
+  // definite; support_factor is 0, or without pair supports and tensors finite and at least 1.
   void validate(std::size_t target_count, std::size_t particle_count) const;
 };
 
@@ -68,6 +76,8 @@ struct NeighbourListView {
   const ImageShift* shifts = nullptr;
   const Scalar* support = nullptr;
   const Scalar* pair_support = nullptr;  // null: that of the target
+  const Scalar* tensor = nullptr;        // null: balls
+  const Scalar* pair_tensor = nullptr;   // null: that of the target
   Scalar support_factor = 0;
 
   NeighbourListView() = default;
@@ -77,6 +87,8 @@ struct NeighbourListView {
         shifts(list.shifts.empty() ? nullptr : list.shifts.data()),
         support(list.support.data()),
         pair_support(list.pair_support.empty() ? nullptr : list.pair_support.data()),
+        tensor(list.tensor.empty() ? nullptr : list.tensor.data()),
+        pair_tensor(list.pair_tensor.empty() ? nullptr : list.pair_tensor.data()),
         support_factor(list.support_factor) {}
 
   std::int64_t count(std::size_t target) const { return offsets[target + 1] - offsets[target]; }

@@ -20,10 +20,11 @@ inline void require_count(std::size_t k) {
   require(k <= 0xFFFFFFFFu, "k", static_cast<std::int64_t>(k), "must be from 1 to 2^32 - 1");
 }
 
-// Throws InvalidArgument for values outside their range and numbers of radii that are not those of
-// the targets and particles.
+// Throws InvalidArgument for values outside their range and numbers of radii or tensors that are
+// not those of the targets and particles.
 template <class Scalar>
-void require_valid_rule(const NeighbourRule& rule, std::size_t targets, std::size_t particles) {
+void require_valid_rule(const NeighbourRule& rule, int dimension, std::size_t targets,
+                        std::size_t particles) {
   const auto positive = [](double length) {  // in the scalar type of the points
     const auto rounded = static_cast<Scalar>(length);
     return rounded > 0 && std::isfinite(rounded) &&
@@ -60,6 +61,20 @@ void require_valid_rule(const NeighbourRule& rule, std::size_t targets, std::siz
   } else if (const auto* near_within = std::get_if<NearestWithin>(&rule)) {
     require_count(near_within->k);
     require(positive(near_within->radius), "radius", near_within->radius, length_rule);
+  } else if (const auto* ellipsoids = std::get_if<Ellipsoids>(&rule)) {
+    require_tensors<Scalar>(ellipsoids->tensors, dimension, targets, "target ",
+                            "must be the number of targets");
+  } else if (const auto* pair_ellipsoids = std::get_if<PairEllipsoids>(&rule)) {
+    require(pair_ellipsoids->support == PairSupport::particle ||
+                pair_ellipsoids->support == PairSupport::mean,
+            "support of pairs", static_cast<int>(pair_ellipsoids->support),
+            "must be PairSupport::particle or mean: of two ellipsoids neither is the larger");
+    require_tensors<Scalar>(pair_ellipsoids->particles, dimension, particles, "particle ",
+                            "must be the number of particles");
+    const bool symmetric = pair_ellipsoids->support == PairSupport::mean;
+    require_tensors<Scalar>(pair_ellipsoids->targets, dimension, symmetric ? targets : 0, "target ",
+                            symmetric ? "must be the number of targets"
+                                      : "must be 0 where pairs have the support of the particle");
   }
 }
 
@@ -76,10 +91,13 @@ void require_in_domain(const Box<Scalar>& box, const PeriodicDomain<Scalar>& dom
 // Throws InvalidArgument unless rule, clouds and domain are as find_neighbours.hpp asks for.
 template <class Scalar>
 void require_valid_question(const PointCloud<Scalar>& particles, const PointCloud<Scalar>& targets,
-                            const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain) {
+                            const NeighbourRule& rule, const PeriodicDomain<Scalar>& domain,
+                            SupportShape shape) {
   require(targets.dimension() == particles.dimension(), "dimension of the targets",
           targets.dimension(), "must be the dimension of the particles");
-  require_valid_rule<Scalar>(rule, targets.size(), particles.size());
+  require_valid_rule<Scalar>(rule, particles.dimension(), targets.size(), particles.size());
+  require(shape == SupportShape::ball || !std::holds_alternative<PairEllipsoids>(rule),
+          "support shape", "cube", "must be a ball for PairEllipsoids");
   domain.validate(particles.dimension());
   // Where all squared distances underflow, none is the nearest.
   Scalar extent = 0;

@@ -31,7 +31,8 @@ class TargetNeighbours {
 
   TargetNeighbours(const S& search, const PointCloud<Scalar>& particles,
                    const PointCloud<Scalar>& targets, const PeriodicDomain<Scalar>& domain,
-                   const NeighbourOptions& options, Scalar spacing)
+                   const NeighbourOptions& options, Scalar spacing,
+                   const std::array<double, D>& largest_pair = {})
       : search_(search),
         particles_(particles),
         targets_(targets),
@@ -39,6 +40,7 @@ class TargetNeighbours {
         options_(options),
         spacing_(spacing),
         cube_(options.shape == SupportShape::cube),
+        largest_pair_(largest_pair),
         images_(domain, particles.box()) {}
 
   // The neighbours found by the latest call of the functions below.
@@ -53,11 +55,8 @@ class TargetNeighbours {
   }
   // By going through all within the largest radius: for searches that know the particles only.
   Scalar find(std::size_t target, const PairRadii& rule) {
-    if (!(largest_radius_ > 0) && !rule.particles.empty()) {
-      largest_radius_ = *std::max_element(rule.particles.begin(), rule.particles.end());
-      for (const double radius : rule.targets) largest_radius_ = std::max(largest_radius_, radius);
-    }
-    all_within(target, static_cast<Scalar>(largest_radius_));
+    const auto largest_radius = static_cast<Scalar>(largest_pair_[0]);
+    all_within(target, largest_radius);
     std::erase_if(entries_, [&](const Entry& entry) {
       const Scalar rho = pair_radius<Scalar>(rule, target, entry.index);
       if (!cube_) return !(entry.distance2 <= rho * rho);
@@ -66,7 +65,27 @@ class TargetNeighbours {
         if (domain_.periodic[d]) x[d] -= static_cast<Scalar>(entry.shift[d]) * domain_.period(d);
       return !in_cube(x, entry.index, rho);
     });
-    return static_cast<Scalar>(largest_radius_);
+    return largest_radius;
+  }
+  // The radius is 0 until add_supports() completes the list.
+  Scalar find(std::size_t target, const Ellipsoids& rule) {
+    const SymmetricTensor<D> tensor = tensor_at<D>(rule.tensors, target);
+    const SymmetricTensor<D> inverse = tensor.inverse();
+    all_in_ellipsoids(target, tensor.half_edges(cube_),
+                      [&](ParticleIndex) -> const SymmetricTensor<D>& { return inverse; });
+    return 0;
+  }
+  // By going through all in the box of the largest support, as for PairRadii.
+  Scalar find(std::size_t target, const PairEllipsoids& rule) {
+    std::array<double, D> half = largest_pair_;
+    if (rule.support == PairSupport::mean) {
+      const auto own = tensor_at<D>(rule.targets, target).half_edges(false);
+      for (int d = 0; d < D; ++d) half[d] = (half[d] + own[d]) / 2;
+    }
+    all_in_ellipsoids(target, half, [&](ParticleIndex particle) {
+      return pair_tensor<D>(rule, target, particle).inverse();
+    });
+    return 0;
   }
   Scalar find(std::size_t target, const NearestWithin& rule) {
     const auto rho = static_cast<Scalar>(rule.radius);
@@ -115,29 +134,70 @@ class TargetNeighbours {
 
   Scalar all_within(std::size_t target, Scalar rho) {
     start(target);
-    if (particles_.size() == 0) return rho;
-    if (!domain_.any()) {
-      add_within(x_, {}, rho);
-      return rho;
-    }
     const Scalar limit = cube_ ? corner(rho) : rho;
+    over_images(limit * limit,
+                [&](const Point& x, const ImageShift& shift) { add_within(x, shift, rho); });
+    return rho;
+  }
+
+  // All particles p with |inverse_of(p) (x_p - x)| <= 1, which must lie in the box around x with
+  // these half edges.
+  template <class InverseOf>
+  void all_in_ellipsoids(std::size_t target, const std::array<double, D>& half_edges,
+                         const InverseOf& inverse_of) {
+    start(target);
+    Point half;
+    Scalar limit2 = 0;
+    for (int d = 0; d < D; ++d) {
+      half[d] = static_cast<Scalar>(half_edges[d]);
+      limit2 += reach(half[d]) * reach(half[d]);
+    }
+    over_images(std::min(limit2, largest), [&](const Point& x, const ImageShift& shift) {
+      find_in_box(x, half);
+      for (const auto& near : found_)
+        if (in_ellipsoid(inverse_of(near.index), x, near.index) && visible(near.index))
+          entries_.push_back({near.distance2, near.index, shift});
+    });
+  }
+
+  bool in_ellipsoid(const SymmetricTensor<D>& inverse, const Point& x,
+                    ParticleIndex particle) const {
+    std::array<double, D> offset;
+    for (int d = 0; d < D; ++d) offset[d] = static_cast<double>(particles_(particle, d) - x[d]);
+    double q2 = 0;
+    for (const double along : inverse.times(offset))
+      q2 = cube_ ? std::max(q2, along * along) : q2 + along * along;
+    return q2 <= 1;
+  }
+
+  // Calls add(x - shift * period, shift) for all images that may be within a distance of the
+  // particles, and sorts what it has added.
+  template <class Add>
+  void over_images(Scalar limit2, const Add& add) {
+    if (particles_.size() == 0) return;
+    if (!domain_.any()) return add(x_, ImageShift{});
     typename PeriodicImages<Scalar, D>::Image image;
-    for (images_.start(x_); images_.next(limit * limit, image);)
-      add_within(image.x, image.shift, rho);
+    for (images_.start(x_); images_.next(limit2, image);) add(image.x, image.shift);
     std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
       return a.index != b.index ? a.index < b.index : a.shift < b.shift;
     });
-    return rho;
+  }
+
+  // Into found_: what is in the box with these half edges around x.
+  void find_in_box(const Point& x, const Point& half) {
+    Point lower, upper;
+    for (int d = 0; d < D; ++d) {
+      lower[d] = std::max(x[d] - reach(half[d]), -largest);
+      upper[d] = std::min(x[d] + reach(half[d]), largest);
+    }
+    search_.in_box(lower, upper, found_);
   }
 
   void add_within(const Point& x, const ImageShift& shift, Scalar rho) {
     if (cube_) {
-      Point lower, upper;
-      for (int d = 0; d < D; ++d) {
-        lower[d] = std::max(x[d] - reach(rho), -largest);
-        upper[d] = std::min(x[d] + reach(rho), largest);
-      }
-      search_.in_box(lower, upper, found_);
+      Point half;
+      half.fill(rho);
+      find_in_box(x, half);
     } else {
       search_.within(x, rho, found_);
     }
@@ -233,7 +293,7 @@ class TargetNeighbours {
   const NeighbourOptions& options_;
   const Scalar spacing_;
   const bool cube_;
-  double largest_radius_ = 0;     // of PairRadii
+  const std::array<double, D> largest_pair_;  // largest_pair_support()
   Scalar cube_limit_ = infinity;  // half edge of the cube that the k nearest must lie in
   std::size_t target_ = 0;
   Point x_{};

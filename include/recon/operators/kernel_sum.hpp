@@ -11,6 +11,9 @@
 // off over one support radius; it is not divided by the part that is filled: that is reconstruct()
 // with degree 0.
 //
+// Where supports are ellipsoids, q is |A^-1 (x_p - x)| with the support tensor A of the target or
+// the pair (neighbourhood/support_tensor.hpp), and rho^D becomes det A.
+//
 // 1 / (c rho^D) must be a normal number of the precision, so that no digit is lost: in 3-D for rho
 // from about 1e-12 to 1e12 in float, and from 1e-102 to 1e102 in double.
 //
@@ -29,10 +32,10 @@ struct KernelOptions {
   WeightFunction weight = Weight::cubic_b_spline;
   // tensor_product: w = prod_d w(|x_p - x|_d / rho), the support a cube.
   WeightForm form = WeightForm::radial;
-  // Radius{rho}, Radii{per target} or PairRadii: with radii of the particles the density of smoothed
-  // particle hydrodynamics in its scatter form. Nearest and NearestWithin give each target the
-  // support that a reconstruction with that rule has; all particles in it count, not only the k
-  // nearest.
+  // Radius{rho}, Radii{per target} or PairRadii, Ellipsoids{per target} or PairEllipsoids: with
+  // radii or tensors of the particles the density of smoothed particle hydrodynamics in its scatter
+  // form. Nearest and NearestWithin give each target the support that a reconstruction with that
+  // rule has; all particles in it count, not only the k nearest.
   NeighbourRule support = Nearest{20};
   SearchMethod search = SearchMethod::automatic;
   int threads = 0;  // 0: default_threads(); the results do not depend on it

@@ -178,8 +178,8 @@ class BasicReconstruction {
   // Who was near each target, and its support: a copy. A target whose status is `nearest` has the
   // nearest particle and a support that reaches it, not the one asked for. Among particles at the
   // same distance a nearest rule takes the first ones in a spatial order, not those of the smallest
-  // index. Radius, Radii and PairRadii list in that order, the nearest rules in an order that is a
-  // function of the positions, but not that of distances.
+  // index. Other rules list in that order, the nearest rules in an order that is a function of the
+  // positions, but not that of distances.
   NeighbourList<Scalar> neighbours() const;
   // The support radius of target t, a length.
   Scalar support(std::size_t target) const;

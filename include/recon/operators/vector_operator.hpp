@@ -30,6 +30,12 @@ class VectorOperator {
   int outputs() const { return outputs_; }                     // components at a target
   const CsrOperator<Scalar>& gradient() const& { return gradient_; }
   const CsrOperator<Scalar>& gradient() && = delete;
+  // The sum above: output += factor * (derivative of the component along the axis).
+  struct Term {
+    int output, component, axis;
+    Scalar factor;
+  };
+  const std::vector<Term>& terms() const { return terms_; }
 
   // A row per target; the fill value of the gradient where there is no support. Throws
   // InvalidArgument as CsrOperator does, naming the components of these fields, and for fields of
@@ -41,11 +47,6 @@ class VectorOperator {
   void apply_transpose(const FieldView<Scalar>& field, const FieldSpan<Scalar>& out) const;
 
  private:
-  struct Term {
-    int output, component, axis;
-    Scalar factor;
-  };
-
   Scalar mended(const FieldView<Scalar>& field, std::size_t target, int output) const;
   // Has any particle a slope other than 0 along the axis at this target?
   bool reads(std::size_t target, int axis) const;

@@ -125,6 +125,15 @@ class BasicFieldView {
   // Where component c of point 0 lies, and how many bytes further that of the next point.
   Address first(int c) const { return first_byte(c); }
   std::ptrdiff_t point_stride() const { return point_stride_; }
+  // The values at `count` points from this one on.
+  BasicFieldView part(std::size_t point, std::size_t count) const {
+    BasicFieldView values = *this;
+    const std::ptrdiff_t before = static_cast<std::ptrdiff_t>(point) * point_stride_;
+    values.size_ = count;
+    values.base_ += before;
+    for (int c = 0; c < components_ && separate_; ++c) values.arrays_[c] += before;
+    return values;
+  }
   // Has each component an array of its own? If not, they lie component_stride() bytes apart.
   bool separate() const { return separate_; }
   std::ptrdiff_t component_stride() const { return component_stride_; }

@@ -27,8 +27,8 @@ struct Forecast {
 };
 
 // The forecast for a run of a valid problem to its end, from its start or from a state. Warns of a
-// step that is longer than the method is known to be stable with (Method::stable_courant()), and of
-// what breaks the method on this problem whatever the step is (Method::caveat()).
+// step that is longer than the method is known to be stable with (stable_courant()), and of
+// what breaks the method on this problem whatever the step is (caveat()).
 template <int D>
 Forecast forecast(const Problem<D>& problem);
 template <int D>
@@ -37,6 +37,14 @@ Forecast forecast(const Problem<D>& problem, const State<D>& state);
 // Throws InvalidArgument, with the numbers, for more steps or memory than the limits allow, and for
 // a first step so short that time + step rounds to `time`.
 void require_possible(const Forecast& forecast, const Limits& limits, double time = 0);
+
+// The longest step of a method, in units of h / (c_p + |v|), with which small noise does not grow,
+// for two particles per cell and axis (docs/mpm.md has the measurement).
+double stable_courant(const Method& method, int dimension);
+// A sentence about what breaks the method whatever the step is: always for elements, whose
+// functions are negative in parts, and at free surfaces for quadrature over cells. Empty where
+// nothing is known.
+std::string caveat(const Method& method);
 
 // The bytes of one particle, and the bytes that the machine has available now.
 template <int D>

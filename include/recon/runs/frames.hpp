@@ -17,13 +17,14 @@
 #include <vector>
 
 #include "recon/io/error.hpp"
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 
 namespace recon::mpm {
 
 // All fields that particles can have in a frame: velocity, displacement, stress, von_mises,
-// pressure, F, det_F, density, mass, volume, body, id, which are the default, and
-// velocity_gradient, energy.
+// pressure, F, det_F, density, mass, volume, body, id, which are the default, velocity_gradient,
+// energy, and the history variables of materials by their names (material.hpp): NaN for particles
+// whose material has no such variable.
 std::span<const std::string> particle_fields();
 std::vector<std::string> default_particle_fields();
 

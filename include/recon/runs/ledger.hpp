@@ -22,7 +22,7 @@
 #include <cmath>
 #include <optional>
 
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 
 namespace recon::mpm {
 

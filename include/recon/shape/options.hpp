@@ -53,15 +53,16 @@ struct Options {
   // `domain` are. They belong to the particles: calls that take Sources have them from there, and
   // throw InvalidArgument where they are said here.
   std::span<const double> particle_weights{};
-  // Radius{rho}, Radii{per target}, Nearest{k, factor}, NearestWithin{k, rho} or PairRadii{per
-  // particle}; lengths. The support of Nearest moves with the k-th neighbour, and exact gradients
-  // with it; all others, and those of a list of your own unless it says otherwise, stand still
-  // (NeighbourList::support_factor).
+  // Radius{rho}, Radii{per target}, Nearest{k, factor}, NearestWithin{k, rho}, PairRadii{per
+  // particle}; for ellipsoids of any orientation Ellipsoids{per target} and, with radial weights,
+  // PairEllipsoids{per particle}; lengths. The support of Nearest moves with the k-th neighbour,
+  // and exact gradients with it; all others, and those of a list of your own unless it says
+  // otherwise, stand still (NeighbourList::support_factor).
   std::optional<NeighbourRule> neighbours{};
   std::optional<Solver> solver{};
 
   // Along axis d supports are rho * stretch[d]: Radius{1} and stretch {a, b, c} are supports of the
-  // half axes a, b, c, lengths.
+  // half axes a, b, c, lengths. Tensors of ellipsoids are those of the coordinates divided by it.
   std::array<double, max_dimension> stretch{1, 1, 1};
   PeriodicDomain<double> domain{};
   SearchMethod search = SearchMethod::automatic;

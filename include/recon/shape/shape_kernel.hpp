@@ -35,7 +35,8 @@ struct ShapeProblem {
   const PeriodicDomain<Scalar>& domain;
   // Derivatives are multiplied by this along each axis: 1 / stretch, where coordinates have been
   // divided by stretch.
-  std::array<Scalar, max_dimension> axis_scale{1, 1, 1};
+  static constexpr std::array<Scalar, max_dimension> no_scale{1, 1, 1};
+  std::array<Scalar, max_dimension> axis_scale = no_scale;
   // The factors m_p of the weights of the particles, > 0, the largest about 1. Null: all ones.
   const Scalar* particle_weights = nullptr;
 };

@@ -2,10 +2,11 @@
 //
 //     xi = (x_p - x) / rho,   radial: w = w(|xi|),   tensor product: w = prod_d w(|xi_d|),
 //     d w / d x = -(sum_d dw/dxi_d (e_d + xi_d grad rho)) / rho .
-// Where a pair has a support rho_p of its own, w is that of |xi| rho / rho_p.
-// With particle weights m_p, w and its derivatives are multiplied by them. Weights are divided by
-// the largest, so that a fit does not see their scale. The arrays are kept from target to target
-// (core/memory.hpp): nothing is allocated once warm. Use one object per thread.
+// Where a pair has a support rho_p of its own, w is that of |xi| rho / rho_p. Where its support is
+// an ellipsoid of its own, the caller says q and q dq / dxi. With particle weights m_p, w and its
+// derivatives are multiplied by them. Weights are divided by the largest, so that a fit does not
+// see their scale. The arrays are kept from target to target (core/memory.hpp): nothing is
+// allocated once warm. Use one object per thread.
 //
 // T may be a pack (core/pack.hpp), with one target in each lane: then particles are not dropped but
 // get the weight 0.
@@ -54,7 +55,7 @@ class Stencil {
     T size = T(0);
     for (int d = 0; d < D; ++d) size = detail::larger(T(abs(x[d])), size);
     noise_ = T(std::numeric_limits<Scalar>::epsilon()) * (size + rho) / rho;
-    weighs_particles_ = has_pair_supports_ = false;
+    weighs_particles_ = has_pair_supports_ = has_pair_distances_ = false;
     detail::provide(numbers_, each * static_cast<std::size_t>(count));
     if constexpr (lanes == 1) detail::provide(place_, static_cast<std::size_t>(count));
   }
@@ -70,13 +71,23 @@ class Stencil {
     return lane_by_lane(particle_weight());
   }
 
-  // The caller fills in the supports rho_p > 0 of the pairs, laid out as offsets(), and any positive
-  // number for neighbours that a lane does not have. Called only where pairs have supports of their
-  // own, and before weigh().
+  // The caller fills in the supports rho_p > 0 of the pairs, laid out as offsets(), and any
+  // positive number for neighbours that a lane does not have. Called only where pairs have supports
+  // of their own, and before weigh().
   constexpr Scalar* pair_supports() {
     has_pair_supports_ = true;
     return lane_by_lane(pair_ratio());
   }
+
+  // The caller fills in q >= 0 of the pairs, laid out as offsets(), and any number for neighbours
+  // that a lane does not have. Called only for radial weights where pairs have ellipsoids of their
+  // own as supports, and before weigh(). Where that is to form slopes, the caller also fills in
+  // q dq / dxi along each axis d.
+  constexpr Scalar* pair_distances() {
+    has_pair_distances_ = true;
+    return lane_by_lane(pair_ratio());
+  }
+  constexpr Scalar* pair_slopes(int d) { return lane_by_lane(factor(d)); }
 
   // Evaluates the weights, with `slopes` their derivatives too, and drops the particles whose
   // weight is not above eps^2 of the largest: those change nothing in working precision.
@@ -151,19 +162,21 @@ class Stencil {
     T *const product = w(), *const ratio = pair_ratio();
     if (form == WeightForm::radial) {
       T *const distance = q(0), *const tangent = slope(0);
-      for (int p = 0; p < n; ++p) {
+      for (int p = 0; has_pair_distances_ && p < n; ++p) distance[p] = within_support(p, ratio[p]);
+      for (int p = 0; !has_pair_distances_ && p < n; ++p) {
         T q2 = x[0][p] * x[0][p];
         for (int d = 1; d < D; ++d) q2 += x[d][p] * x[d][p];
         distance[p] = within_support(p, detail::square_root(q2));
       }
       stretch(distance);
       weights.evaluate(distance, product, slopes ? tangent : nullptr, n);
+      const std::array<T*, D> outwards = has_pair_distances_ ? per_axis(3 * D + 3) : x;
       for (int p = 0; slopes && p < n; ++p) {
         const auto apart = distance[p] > T(0);
         T along = tangent[p] / detail::select(apart, distance[p], T(1));
         if (has_pair_supports_) along *= ratio[p] * ratio[p];
         for (int d = 0; d < D; ++d)
-          derivative[d][p] = detail::select(apart, T(along * x[d][p]), T(0));
+          derivative[d][p] = detail::select(apart, T(along * outwards[d][p]), T(0));
       }
     } else {
       const std::array<T*, D> factors = per_axis(3 * D + 3);
@@ -325,7 +338,7 @@ class Stencil {
 
   int count_ = 0, size_ = 0;
   T present_ = T(0), weighted_ = T(0), rho_ = T(1), noise_ = T(0);
-  bool weighs_particles_ = false, has_pair_supports_ = false;
+  bool weighs_particles_ = false, has_pair_supports_ = false, has_pair_distances_ = false;
   typename Memory::template Store<T, 0, each> numbers_;
   typename Memory::template Store<int, 0, 1> place_;  // of the `size_` particles of the cloud
 };

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "recon/mpm/simulation.hpp"
 #include "recon/runs/manufactured.hpp"
+#include "recon/runs/simulation.hpp"
 
 namespace recon::mpm {
 

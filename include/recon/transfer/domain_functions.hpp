@@ -355,6 +355,12 @@ struct Cpdi2Functions {
                  NodeFunctions<D, Count>& out) {
     detail::from_corners<D>(grid, domain.corners, domain.weight, domain.slope, out);
   }
+  // Needs no more of a domain than its corners.
+  template <int D>
+  static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
+                                         const DomainCorners<D>& corners, int d) {
+    return detail::nodes_of_corners<D>(grid, corners, d);
+  }
   template <int D>
   static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
                                          const CornerDomain<D>& domain, int d) {

@@ -25,7 +25,16 @@
 //
 // s_r and norm_r have the unit length^(r_1 + .. + r_D), norm_r that squared. Nothing is allocated.
 // Data that are not finite are refused as NodeFunctions does.
+//
+// DomainModes are the affine modes of functions that are no products: averages over the domain of a
+// particle (domain_functions.hpp). There the D polynomials s_d = (x_i - m)_d, m = sum_i S_i x_i, are
+// not orthogonal to each other, and the coefficients are the columns of the slope
+//     C = (sum_i S_i u_i (x_i - m)^T) (sum_i S_i (x_i - m) (x_i - m)^T)^-1 .
+// Linear fields are exact whatever the domain.
 #pragma once
+
+#include <Eigen/LU>
+#include <vector>
 
 #include "recon/transfer/point_functions.hpp"
 
@@ -61,6 +70,7 @@ class PolynomialModes {
       of[d] = modes_of(grid, axes[d], x[d], d);
       nodes_ *= static_cast<std::size_t>(axes[d].count);
     }
+    set_ = set;
     count_ = mode_count(set, D);
     for (int r = 0; r < count_; ++r) {
       std::array<int, D> degree{};
@@ -102,6 +112,23 @@ class PolynomialModes {
         },
         data);
     return Value(Element::divided(sum, norm(r)));
+  }
+  // c_r of all modes.
+  template <class Nodes, class Values, class Coefficients>
+  void coefficients(const Nodes& at, const Values& u, Coefficients&& c,
+                    Data data = Data::checked) const {
+    for (int r = 0; r < count_; ++r) c[r] = coefficient(r, at, u, data);
+  }
+  // sum_i S_i w(x_i) (x_i - x)^T of a vector field w = sum_r c_r s_r: times the mass of the particle,
+  // what its field adds to angular momentum.
+  template <class Coefficients>
+  auto moment(const Coefficients& c) const {
+    Eigen::Matrix<double, std::remove_cvref_t<decltype(c[0])>::SizeAtCompileTime, D> B;
+    for (int d = 0; d < D; ++d) {
+      const int r = linear_mode(set_, d);
+      B.col(d) = norm(r) * c[r];
+    }
+    return B;
   }
   // shown[n] += sum_r c_r s_r at node n, for the `size` nodes of the particle.
   template <class Shown, class Coefficients>
@@ -155,10 +182,78 @@ class PolynomialModes {
   }
 
   static constexpr int most_modes = mode_count(ModeSet::polynomial, D);
+  ModeSet set_ = ModeSet::affine;
   int count_ = 0;
   std::size_t nodes_ = 0;
-  std::array<double, most_modes> norm_;
-  std::array<double, most_modes * detail::to_the_power<widest>(D)> value_;
+  std::array<double, most_modes> norm_{};
+  std::array<double, most_modes * detail::to_the_power<widest>(D)> value_{};
+};
+
+// Nodal data are vectors of Eigen here. Keeps its memory from particle to particle.
+template <int D>
+class DomainModes {
+ public:
+  // Of the functions of a particle. With M the second moment that is inverted, all coefficients are
+  // zero where tr M / D is below 1e-12 h^2, or det M below 1e-12 (tr M / D)^D: a domain that sees a
+  // single node, at all or along some direction.
+  template <class Nodes>
+  void fill(const CartesianGrid<D>& grid, const Nodes& at) {
+    constexpr double least = 1e-12;
+    SpaceVector<D> mean = SpaceVector<D>::Zero();
+    offset_.resize(at.size());
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      offset_[k] = grid.position(at.node[k]);
+      mean += at.S[k] * offset_[k];
+    }
+    second_.setZero();
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      offset_[k] -= mean;
+      second_ += at.S[k] * offset_[k] * offset_[k].transpose();
+    }
+    const double mean_square = second_.trace() / D;
+    inverse_.setZero();
+    if (mean_square > least * grid.h() * grid.h() &&
+        second_.determinant() > least * std::pow(mean_square, D))
+      inverse_ = second_.inverse();
+  }
+
+  static constexpr int count() { return D; }
+  // c_d, the derivative along axis d, of nodal data u.
+  template <class Nodes, class Values, class Coefficients>
+  void coefficients(const Nodes& at, const Values& u, Coefficients&& c,
+                    Data data = Data::checked) const {
+    using Element = detail::ElementOf<const Values>;
+    using Moment = typename Element::template Gradient<D>;
+    const Moment zero = Moment::Zero();
+    const Moment moment = detail::sum_over_nodes(
+        at, u, zero, [&](std::size_t k) { return at.S[k] != 0; },
+        [&](Moment& sum, std::size_t k) {
+          sum += at.S[k] * detail::nodal(u, at.node[k]) * offset_[k].transpose();
+        },
+        data);
+    const Moment slope = moment * inverse_;
+    for (int d = 0; d < D; ++d) c[d] = slope.col(d);
+  }
+  // As of PolynomialModes.
+  template <class Coefficients>
+  auto moment(const Coefficients& c) const {
+    Eigen::Matrix<double, std::remove_cvref_t<decltype(c[0])>::SizeAtCompileTime, D> slope;
+    for (int d = 0; d < D; ++d) slope.col(d) = c[d];
+    return decltype(slope)(slope * second_);
+  }
+  template <class Shown, class Coefficients>
+  void add_to(Shown& shown, std::size_t size, const Coefficients& c,
+              Data data = Data::checked) const {
+    using Element = detail::ElementOf<Shown>;
+    for (int d = 0; d < D; ++d)
+      detail::require_finite<Element>(c[d], "the coefficients of a mode", data);
+    for (std::size_t k = 0; k < size; ++k)
+      for (int d = 0; d < D; ++d) shown[k] += offset_[k][d] * c[d];
+  }
+
+ private:
+  std::vector<SpaceVector<D>> offset_;
+  SpaceMatrix<D> second_, inverse_;
 };
 
 }  // namespace recon

@@ -11,6 +11,7 @@
 #include "programs/common/text.hpp"
 #include "recon/io/atomic_file.hpp"
 #include "recon/io/picture.hpp"
+#include "recon/runs/compose.hpp"
 #include "recon/studies/comparison.hpp"
 
 namespace recon::program {

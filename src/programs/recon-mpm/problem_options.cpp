@@ -5,7 +5,7 @@
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
 #include "recon/core/names.hpp"
-#include "recon/mpm/method.hpp"
+#include "recon/runs/compose.hpp"
 
 namespace recon::program {
 

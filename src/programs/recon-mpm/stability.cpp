@@ -10,6 +10,7 @@
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/picture.hpp"
+#include "recon/runs/compose.hpp"
 
 namespace recon::program {
 namespace {

@@ -14,7 +14,7 @@ InvalidArgument (a ValueError) that names the argument, the value and the rule; 
 `fit.report`. `recon.mpm` runs the material point method, `recon.plot` draws (with matplotlib). Long calls release the interpreter's lock, and all objects can be used by several threads.
 """
 
-from . import mpm
+from . import mpm, plot
 from ._recon import (
     Cancelled,
     FileError,
@@ -109,6 +109,7 @@ __all__ = [
     "kernel_sum",
     "list_frames",
     "mpm",
+    "plot",
     "on_grid",
     "read",
     "read_frames",

@@ -181,6 +181,10 @@ class GridReconstruction:
         self.report = report
         self.limited = limited
 
+    def __repr__(self) -> str:
+        names = f" of {', '.join(self.values)}" if isinstance(self.values, dict) else ""
+        return f"<recon.GridReconstruction{names} at {self.grid!r}>"
+
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         if not isinstance(self.values, dict):
             raise KeyError(f"{name!r}: the fields of this result have no names")
@@ -255,6 +259,8 @@ def on_grid(
             )
         grid = _recon.covering_grid(points, grid, options.get("domain"))
     many = isinstance(fields, Mapping)
+    if isinstance(fields, Mapping) and not fields:
+        raise _recon.InvalidArgument("fields = {}: must be at least one")
     arrays = list(fields.values()) if isinstance(fields, Mapping) else [fields]
     values, slopes, shapes, report, limited = _recon.on_grid(
         points, arrays, grid, options, gradients, limit
@@ -295,8 +301,12 @@ def _components(
     return np.lib.stride_tricks.as_strided(part, shape, part.strides[:nodes] + tuple(strides))
 
 
+def _sources(points: Any) -> _recon.Sources:
+    return points if isinstance(points, _recon.Sources) else _recon.Sources(points)
+
+
 def find_neighbours(
-    sources: _recon.Sources,
+    sources: Points,
     targets: Targets,
     neighbours: Rule | None = None,
     *,
@@ -311,7 +321,7 @@ def find_neighbours(
 
     Parameters
     ----------
-    sources : Sources
+    sources : Sources or array_like, shape (n, D)
     targets : array_like, shape (m, D)
     neighbours : Radius, Radii, Nearest, NearestWithin or PairRadii
     radius, nearest : optional
@@ -324,12 +334,12 @@ def find_neighbours(
         Its arrays offsets, indices and support; in periodic domains shifts.
     """
     return _recon.find_neighbours(
-        sources, targets, neighbours, radius, nearest, shape, search, threads, progress
+        _sources(sources), targets, neighbours, radius, nearest, shape, search, threads, progress
     )
 
 
 def kernel_operator(
-    sources: _recon.Sources,
+    sources: Points,
     targets: Targets,
     *,
     weight: AnyWeight = "cubic_b_spline",
@@ -346,7 +356,7 @@ def kernel_operator(
 
     Parameters
     ----------
-    sources : Sources
+    sources : Sources or array_like, shape (n, D)
     targets : array_like, shape (m, D), or StructuredGrid
     weight, form
         As in `reconstruct`.
@@ -359,12 +369,12 @@ def kernel_operator(
         Of shape (m, n), 1 / length^D.
     """
     return _recon.kernel_operator(
-        sources, targets, weight, form, neighbours, radius, nearest, search, threads
+        _sources(sources), targets, weight, form, neighbours, radius, nearest, search, threads
     )
 
 
 def kernel_sum(
-    sources: _recon.Sources,
+    sources: Points,
     targets: Targets,
     amounts: npt.ArrayLike,
     *,

@@ -1,16 +1,10 @@
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 
 #include <cmath>
 
 namespace recon::mpm {
 
 using recon::detail::require;
-
-Failure::Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what)
-    : std::runtime_error("step " + std::to_string(step) + ", " + place + " " +
-                         std::to_string(number) + ": " + what),
-      step_(step),
-      number_(number) {}
 
 template <int D>
 Simulation<D>::Simulation(Problem<D> problem)

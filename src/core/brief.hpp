@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-namespace recon::mpm {
+namespace recon::detail {
 
 inline std::string brief(double value, int digits = 4) {
   char text[32];
@@ -12,4 +12,4 @@ inline std::string brief(double value, int digits = 4) {
   return text;
 }
 
-}  // namespace recon::mpm
+}  // namespace recon::detail

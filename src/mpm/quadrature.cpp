@@ -1,0 +1,231 @@
+// Quadratures over the cells of the grid, of density, stress, momentum and body force that are fitted
+// to the particles: their fits, and one loop over the points of the cells.
+//
+// A cell counts with the part of it that holds material: 1 where the cell and all its neighbours
+// hold particles (or lie beyond the grid), 0 where it holds none, else the part that the volumes of
+// its particles fill, at most 1. So a body ends where its particles end, and inside it nothing
+// depends on how particles are spread over cells. For taylor_cells and gauss_cells the particles
+// are the points of quadrature in all cells but those that count as full.
+#include "core/counting_sort.hpp"
+#include "mpm/policies.hpp"
+#include "recon/grid/reconstruct_on_grid.hpp"
+#include "recon/transfer/cell_polynomial.hpp"
+
+namespace recon::mpm {
+namespace {
+
+// What is fitted: a row for each particle with its density, the stress (row after row of its upper
+// triangle), b (the body force per mass, unless that is empty), and, where the quadrature
+// reconstructs it, density times velocity.
+template <int D>
+struct PointData {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  static constexpr int stresses = D * (D + 1) / 2;
+  bool body_force, momentum;
+  Rows rows;
+
+  PointData(const Particles<D>& particles, const std::vector<Vector<D>>& b, bool with_momentum,
+            int threads)
+      : body_force(!b.empty()),
+        momentum(with_momentum),
+        rows(static_cast<Eigen::Index>(particles.size()),
+             1 + stresses + (body_force ? D : 0) + (momentum ? D : 0)) {
+    const auto fill = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        double* out = rows.row(static_cast<Eigen::Index>(p)).data();
+        const double density = particles.density(p);
+        *out++ = density;
+        for (int r = 0; r < D; ++r)
+          for (int c = r; c < D; ++c) *out++ = particles.stress[p](r, c);
+        for (int d = 0; d < D && body_force; ++d) *out++ = b[p][d];
+        for (int d = 0; d < D && momentum; ++d) *out++ = density * particles.v[p][d];
+      }
+    };
+    parallel_blocks(particles.size(), particles_per_block, threads, fill);
+  }
+  FieldView<double> field() const {
+    return {static_cast<std::size_t>(rows.rows()), static_cast<int>(rows.cols()), rows.data(),
+            rows.cols() * static_cast<std::ptrdiff_t>(sizeof(double)), sizeof(double)};
+  }
+
+  // Adds the contributions of a point with this volume and these values to the nodes: rho N_i to
+  // the mass, rho b N_i - sigma grad N_i to the force, rho v N_i to the momentum; each times the
+  // volume.
+  template <class At>
+  void add_point(const At& shape, double volume, const double* values, Nodes<D>& nodes) const {
+    const double mass = volume * *values++;
+    Matrix<D> stress;
+    for (int r = 0; r < D; ++r)
+      for (int c = r; c < D; ++c) stress(r, c) = stress(c, r) = *values++;
+    Vector<D> push = Vector<D>::Zero(), carried = Vector<D>::Zero();
+    for (int d = 0; d < D && body_force; ++d) push[d] = mass * *values++;
+    for (int d = 0; d < D && momentum; ++d) carried[d] = volume * *values++;
+    shape.add(nodes.mass, mass, trusted);
+    shape.add(nodes.force, push, trusted);
+    shape.add_gradient(nodes.force, Matrix<D>(-volume * stress), trusted);
+    if (momentum) shape.add(nodes.momentum, carried, trusted);
+  }
+};
+
+// The polynomials of cells that keep mass and momentum (transfer/cell_polynomial.hpp).
+template <int D>
+class TaylorFits {
+ public:
+  TaylorFits(const Problem<D>& problem, const Particles<D>& particles, const PointData<D>& data)
+      : grid_(problem.grid),
+        particles_(particles),
+        data_(data),
+        conserved_(static_cast<std::size_t>(data.rows.cols()), true) {
+    const std::span<std::uint32_t> cell = by_cell_.keys(particles.size());
+    for (std::size_t p = 0; p < particles.size(); ++p)
+      cell[p] = static_cast<std::uint32_t>(grid_.cell_number(particles.x[p]));
+    by_cell_.sort(grid_.cell_count(), problem.threads);
+    std::fill_n(conserved_.begin() + 1, PointData<D>::stresses + (data.body_force ? D : 0), false);
+  }
+
+  // The values at x in cell c; cells are asked one after the other.
+  Eigen::RowVectorXd operator()(std::size_t c, const Vector<D>& x) {
+    if (c != cell_) fit(c);
+    cell_ = c;
+    return in_cell_(x);
+  }
+
+ private:
+  void fit(std::size_t c) {
+    const std::size_t first = by_cell_.first()[c], count = by_cell_.first()[c + 1] - first;
+    std::vector<Vector<D>> x;
+    Eigen::MatrixXd u(count, data_.rows.cols());
+    Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(u.cols());
+    for (const std::size_t p : by_cell_.order().subspan(first, count)) {
+      const auto row = static_cast<Eigen::Index>(x.size());
+      u.row(row) = data_.rows.row(static_cast<Eigen::Index>(p));
+      mean += particles_.volume(p) / std::pow(grid_.h(), D) * u.row(row);
+      x.push_back(particles_.x[p]);
+    }
+    in_cell_.fit(grid_, c, x, u, mean, conserved_);
+  }
+
+  const Grid<D>& grid_;
+  const Particles<D>& particles_;
+  const PointData<D>& data_;
+  recon::detail::CountingSort by_cell_;
+  std::vector<bool> conserved_;
+  CellPolynomial<D> in_cell_;
+  std::size_t cell_ = static_cast<std::size_t>(-1);
+};
+
+template <int D>
+class CellQuadrature : public QuadraturePolicy<D> {
+ public:
+  using QuadraturePolicy<D>::QuadraturePolicy;
+
+  FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
+                           Nodes<D>& nodes) const override {
+    const Problem<D>& problem = this->problem_;
+    const Grid<D>& grid = problem.grid;
+    const Quadrature kind = problem.method.quadrature;
+    const PointData<D> data(s.particles, b, is_gauss(kind), problem.threads);
+    const CellPoints<D> points(grid, kind == Quadrature::cells ? 1 : 2);
+    fill(s.particles, cells.fill);
+    const auto fit = [&](const StructuredGrid<double>& targets, Weight weight) {
+      return reconstruct_on_grid(
+          points_of(s.particles.x), {data.field()}, targets,
+          {.degree = problem.method.degree, .weight = weight, .threads = problem.threads});
+    };
+    // One fit at the centres or nodes, which the cells keep.
+    const auto keep = [&](GridReconstruction made) {
+      cells.fit = made.report();
+      cells.values = std::move(made).values();
+    };
+    const auto row_of = [](const Eigen::MatrixXd& values, std::size_t i) {
+      return values.row(static_cast<Eigen::Index>(i));
+    };
+
+    if (kind == Quadrature::cells) {  // degrees above 2 want more particles than a quadratic sees
+      keep(fit(cell_centres(grid.nodes()),
+               problem.method.degree <= 2 ? Weight::quadratic_b_spline : Weight::cubic_b_spline));
+      integrate(data, points, cells, nodes,
+                [&](std::size_t c, std::size_t, Row& row) { row = row_of(cells.values, c); });
+    } else if (kind == Quadrature::nodal_cells) {  // linear between the nodes
+      keep(fit(grid.nodes(), Weight::cubic_b_spline));
+      LinearFunctions::Nodes<D> shape;
+      integrate(data, points, cells, nodes, [&](std::size_t c, std::size_t g, Row& row) {
+        LinearFunctions{}.at(grid, points.at(c, g), shape);
+        row.setZero(cells.values.cols());
+        for (std::size_t k = 0; k < shape.size(); ++k)
+          row += shape.S[k] * row_of(cells.values, shape.node[k]);
+      });
+    } else if (kind == Quadrature::taylor_cells) {
+      TaylorFits<D> taylor(problem, s.particles, data);
+      integrate(data, points, cells, nodes,
+                [&](std::size_t c, std::size_t g, Row& row) { row = taylor(c, points.at(c, g)); });
+    } else {  // one fit for each Gauss point of all cells
+      std::vector<GridReconstruction> fits;
+      for (std::size_t g = 0; g < points.per_cell(); ++g) {
+        StructuredGrid<double> targets = cell_centres(grid.nodes());
+        for (int d = 0; d < D; ++d) targets.origin[d] = grid.lower()[d] + points.place(g)[d];
+        fits.push_back(fit(targets, Weight::cubic_b_spline));
+      }
+      integrate(data, points, cells, nodes,
+                [&](std::size_t c, std::size_t g, Row& row) { row = row_of(fits[g].values(), c); });
+    }
+    if (is_cell(kind)) return {.mass_and_force = false};
+    return {.full = &cells.fill};
+  }
+
+ private:
+  using Row = Eigen::RowVectorXd;
+
+  // The parts of the cells that count.
+  void fill(const Particles<D>& particles, std::vector<double>& part) const {
+    const Grid<D>& grid = this->problem_.grid;
+    const std::vector<double> volume =
+        sums_in_cells(grid, particles.x, [&](std::size_t p) { return particles.volume(p); });
+    part.assign(volume.size(), 0);
+    for (std::size_t c = 0; c < volume.size(); ++c) {
+      if (!(volume[c] > 0)) continue;
+      if (is_inside(grid, volume, c))
+        part[c] = 1;
+      else if (is_cell(this->problem_.method.quadrature))
+        part[c] = std::min(1.0, volume[c] / std::pow(grid.h(), D));
+    }
+  }
+
+  // values(c, g, row) makes the row of data at point g of cell c.
+  void integrate(const PointData<D>& data, const CellPoints<D>& points, const Cells<D>& cells,
+                 Nodes<D>& nodes,
+                 const std::function<void(std::size_t, std::size_t, Row&)>& values) const {
+    const Problem<D>& problem = this->problem_;
+    const bool consistent = problem.method.mass == MassMatrix::consistent;
+    with_shape(problem.method, [&](auto shape_of) {
+      if constexpr (is_product<D, decltype(shape_of)>) {
+        typename decltype(shape_of)::template Nodes<D> shape;
+        Row row;
+        for (std::size_t c = 0; c < cells.fill.size(); ++c)
+          for (std::size_t g = 0; g < points.per_cell() && cells.fill[c] > 0; ++g) {
+            const double volume = cells.fill[c] * points.volume();
+            shape_of.functions.at(problem.grid, points.at(c, g), shape);
+            values(c, g, row);
+            data.add_point(shape, volume, row.data(), nodes);
+            if (consistent) add_mass(shape, volume * row[0], nodes.mass_entries);
+          }
+      }
+    });
+  }
+};
+
+}  // namespace
+
+template <int D>
+std::unique_ptr<const QuadraturePolicy<D>> make_quadrature(const Problem<D>& problem) {
+  if (problem.method.quadrature == Quadrature::particles)
+    return std::make_unique<QuadraturePolicy<D>>(problem);
+  return std::make_unique<CellQuadrature<D>>(problem);
+}
+
+#define RECON_INSTANTIATE(D) \
+  template std::unique_ptr<const QuadraturePolicy<D>> make_quadrature(const Problem<D>&);
+RECON_DIMENSIONS(RECON_INSTANTIATE)
+#undef RECON_INSTANTIATE
+
+}  // namespace recon::mpm
