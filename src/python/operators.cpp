@@ -228,8 +228,8 @@ Matrix<Index, Scalar> matrix_of(const CsrOperator<Scalar>& op, const Rows& rows)
   return out;
 }
 
-// Row t * outputs + i of the matrix is component i at target t, column p * inputs + c component c of
-// particle p.
+// Row t * outputs + i of the matrix is component i at target t, column p * inputs + c component c
+// of particle p.
 template <class Index, class Scalar>
 Matrix<Index, Scalar> matrix_of(const VectorOperator<Scalar>& op, const Rows& rows) {
   const SparsityPattern<Scalar>& pattern = op.gradient().pattern();

@@ -109,8 +109,8 @@ recon_status recon_options_periodic(recon_options* options, int axis, double low
 recon_status recon_options_neighbours(recon_options* options, size_t targets,
                                       const int64_t* offsets, const uint32_t* indices,
                                       const double* support);
-/* Supports that are ellipsoids: a support tensor of each target, packed (xx, xy, xz, yy, yz, zz as far
- * as the dimension has them) or full, doubles; recon/neighbourhood/support_tensor.hpp. Copied. */
+/* Supports that are ellipsoids: a support tensor of each target, packed (xx, xy, xz, yy, yz, zz as
+ * far as the dimension has them) or full, doubles; recon/neighbourhood/support_tensor.hpp. Copied. */
 recon_status recon_options_ellipsoids(recon_options* options, recon_array tensors);
 /* Called with the fraction of the work that is done; 0 cancels the call. NULL: nobody is told. */
 recon_status recon_options_progress(recon_options* options,
