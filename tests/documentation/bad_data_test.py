@@ -90,6 +90,14 @@ TESTS = {
         ["operators.OperatorArithmetic.RefusesEntriesThatOverflow"],
     "a fit, operator or report of `Sources` that have been updated":
         ["operators.Sources.WhatWasMadeBeforeAnUpdateIsRefused"],
+    "a support tensor that is not symmetric, finite and positive definite, or whose half axes differ by more than 1e5 (in float 1e3)":
+        ["neighbourhood.EllipsoidRules.WhatIsWrongIsNamed", "neighbourhood.EllipsoidRules.OfFloatAreRounder",
+         "neighbourhood.SupportTensors.OfWrongHalfAxesAreRefused", "neighbourhood.OwnTensorList.WhatIsWrongIsNamed",
+         "operators.EllipsoidPattern.WhatIsWrongIsNamed"],
+    "a consistent mass that the particles do not determine":
+        ["transfer.MassMatrixErrors.NameTheNode", "mpm.ConsistentMassFailures.NameANode"],
+    "a value that is no number in a `--json` summary":
+        ["programs.HabitsTest.WhatIsNoNumberIsNull"],
     "a grid whose neighbouring nodes would coincide, or that has no cells":
         ["points.StructuredGrids.NeighbouringNodesHavePlacesOfTheirOwn",
          "transfer.GridErrors.NeighbouringNodesHavePlacesOfTheirOwn", "transfer.GridErrors.AGridWithoutCellsIsNamed"],
