@@ -16,7 +16,7 @@ std::optional<std::vector<double>> series(const StudyResults& results, const std
   std::vector<double> values;
   for (const int grid : grids) {
     const auto run = results.find({variant, method, grid});
-    if (run == results.end()) return {};
+    if (run == results.end() || run->second.refused) return {};
     values.push_back(run->second.value(of));
   }
   return values;

@@ -13,7 +13,8 @@ namespace recon::program {
 // What one run of a study has measured.
 struct Measured {
   std::vector<std::pair<std::string, double>> numbers;
-  std::string note;  // why it stopped; empty: it did not
+  std::string note;      // why it stopped; empty: it did not
+  bool refused = false;  // the program cannot make this run: it shows nothing
 
   void add(const std::string& name, double value) { numbers.emplace_back(name, value); }
   // NaN for a number that the run does not have.

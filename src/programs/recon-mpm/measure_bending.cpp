@@ -477,7 +477,7 @@ Measured negative_mass(const Request& request) {
   const Watch watch{.value = {},
                     .change =
                         [stress](BendingProblem& problem) {
-                          if (!stress) problem.materials = {mpm::LinearElastic{mpm::Lame{0, 0}}};
+                          if (!stress) problem.materials = {mpm::LinearElastic{mpm::Lame{0, 1e-30}}};
                         },
                     .accounts = false};
   const std::vector<std::string> settings{"velocity=[0.5,0.3]", "end=3"};

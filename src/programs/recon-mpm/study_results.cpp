@@ -61,9 +61,10 @@ void ResultFile::read() {
       throw FileError(path_, n, "is no line of results");
     if (words[0] != mark(words[1])) continue;
     Measured& run = runs_[{words[1], words[2], static_cast<int>(*grid)}];
-    if (words[4] == "stopped")
+    if (words[4] == "stopped" || words[4] == "refused") {
       run.note = words[5];
-    else if (words[4] != "run")
+      run.refused = words[4] == "refused";
+    } else if (words[4] != "run")
       run.add(words[4], to_number(words[5]).value_or(std::numeric_limits<double>::quiet_NaN()));
   }
 }
@@ -79,7 +80,7 @@ void ResultFile::write() const {
     file.write(start + "run\t1\n");
     for (const auto& [name, value] : run.numbers)
       file.write(start + name + "\t" + number(value, 17) + "\n");
-    if (!run.note.empty()) file.write(start + "stopped\t" + plain(run.note) + "\n");
+    if (!run.note.empty()) file.write(start + (run.refused ? "refused" : "stopped") + "\t" + plain(run.note) + "\n");
   }
   file.commit();
 }

@@ -123,7 +123,14 @@ class Verification {
                     options_.threads,
                     report_.folder,
                     picture_name(study, key)};
-    return measure_of(study.kind)(request);
+    const Measure make = measure_of(study.kind);
+    try {
+      return make(request);
+    } catch (const InvalidArgument& refusal) {
+      return {{}, refusal.what(), true};
+    } catch (const FileError& refusal) {  // from reading the problem with these settings
+      return {{}, refusal.what(), true};
+    }
   }
 
   // The verdict of a claim whose quantities carry the name of another time.
