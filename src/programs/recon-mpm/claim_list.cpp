@@ -1,9 +1,9 @@
 #include "claim_list.hpp"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <limits>
 #include <set>
-#include <toml++/toml.h>
 
 #include "recon/core/error.hpp"
 
@@ -28,7 +28,8 @@ class Entry {
     if (std::uncaught_exceptions() > 0) return;
     for (const auto& [key, node] : table_) {
       (void)node;
-      if (!asked_.contains(std::string(key.str()))) refuse(where_, "has an unknown key " + std::string(key.str()));
+      if (!asked_.contains(std::string(key.str())))
+        refuse(where_, "has an unknown key " + std::string(key.str()));
     }
   }
 
@@ -186,7 +187,8 @@ void check(Document& document, const std::map<std::string, Rule>& rules) {
     with.insert(with.end(), claim.at.begin(), claim.at.end());
     if (claim.at.empty()) refuse(claim.says, "stands nowhere in its source");
     if (claim.study.empty()) {
-      if (!has({"holds", "holds partly", "does not reproduce", "cannot be judged"}, claim.verdict) ||
+      if (!has({"holds", "holds partly", "does not reproduce", "cannot be judged"},
+               claim.verdict) ||
           claim.why.empty() || !claim.parts.empty())
         refuse(claim.says, "needs a study, or a verdict and a reason");
       continue;
@@ -197,8 +199,7 @@ void check(Document& document, const std::map<std::string, Rule>& rules) {
   }
   for (const std::string& number : document.numbers)
     if (has(with, number) == has(without, number))
-      refuse(document.source + ", " + number,
-             "needs either a claim or a reason why there is none");
+      refuse(document.source + ", " + number, "needs either a claim or a reason why there is none");
   with.insert(with.end(), without.begin(), without.end());
   for (const std::string& number : with)
     if (!has(document.numbers, number))
@@ -215,9 +216,8 @@ Document read_document(const toml::table& table, const std::map<std::string, Rul
     for (const std::string& number : entry.words("tables"))
       document.numbers.push_back("table " + number);
     for (const std::string& number : entry.words("sections"))
-      document.numbers.push_back(std::isdigit(static_cast<unsigned char>(number.front()))
-                                     ? "section " + number
-                                     : number);
+      document.numbers.push_back(
+          std::isdigit(static_cast<unsigned char>(number.front())) ? "section " + number : number);
     entry.each("without", [&](const toml::table& each) {
       Entry without("a reason", each);
       document.without.push_back({without.words("at"), without.text("why", true)});
@@ -240,13 +240,17 @@ const Study& Document::study(const std::string& name) const {
 }
 
 std::string Document::place(const Claim& claim) {
-  std::string text, kind;
-  for (const std::string& at : claim.at) {
-    const std::size_t blank = at.find(' ');
-    const std::string here = blank == std::string::npos ? "" : at.substr(0, blank);
-    text += text.empty() ? "" : ", ";
-    text += !here.empty() && here == kind ? at.substr(blank + 1) : at;
-    kind = here;
+  std::string text;
+  for (std::size_t k = 0; k < claim.at.size();) {
+    const std::size_t blank = claim.at[k].find(' ');
+    const std::string kind = claim.at[k].substr(0, blank);
+    std::string numbers;
+    std::size_t count = 0;
+    for (; k < claim.at.size() && claim.at[k].substr(0, claim.at[k].find(' ')) == kind;
+         ++k, ++count)
+      if (blank != std::string::npos)
+        numbers += (numbers.empty() ? " " : ", ") + claim.at[k].substr(blank + 1);
+    text += (text.empty() ? "" : "; ") + kind + (count > 1 ? "s" : "") + numbers;
   }
   return text;
 }

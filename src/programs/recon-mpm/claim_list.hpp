@@ -30,7 +30,7 @@ struct Variant {
 struct Study {
   std::string name, kind, problem, norm;
   std::vector<std::string> settings, methods;
-  std::vector<Variant> variants;        // at least one, which may have no name
+  std::vector<Variant> variants;         // at least one, which may have no name
   std::vector<int> quick, paper, finer;  // grids, cells per unit length; finer than the source's
 };
 
@@ -67,7 +67,7 @@ struct Document {
   std::vector<Claim> claims;
 
   const Study& study(const std::string& name) const;
-  // "figure 10", "figures 10, 12" and so on.
+  // Where a claim stands: "figures 10, 12; section 4.2".
   static std::string place(const Claim& claim);
 };
 

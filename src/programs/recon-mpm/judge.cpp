@@ -22,7 +22,9 @@ std::optional<std::vector<double>> series(const StudyResults& results, const std
   return values;
 }
 
-bool within(const Rule& rule, double value) { return value >= rule.lower && value <= rule.upper; }
+bool within(const Rule& rule, double value) {
+  return value >= rule.lower && value <= rule.upper;
+}
 
 // The last two: those of the finest grids.
 template <class T>
@@ -35,7 +37,7 @@ std::string pair_name(const std::vector<int>& grids, std::size_t finer) {
 }
 
 std::vector<RuleCheck> check(const Rule& rule, const Part& part, const std::vector<int>& grids,
-                         const std::vector<double>& values, const std::vector<double>& others) {
+                             const std::vector<double>& values, const std::vector<double>& others) {
   std::vector<RuleCheck> checks;
   const std::size_t n = grids.size();
   if (rule.kind == "order" || rule.kind == "difference" || rule.kind == "falls") {
@@ -115,9 +117,8 @@ std::vector<Judgement> judge(const Claim& claim, const std::map<std::string, Rul
     const Rule& rule = rules.at(part.rule);
     std::vector<int> on = part.grids.empty() ? grids : part.grids;
     if (!part.grids.empty() && !any)
-      std::erase_if(on, [&](int grid) {
-        return std::find(grids.begin(), grids.end(), grid) == grids.end();
-      });
+      std::erase_if(
+          on, [&](int grid) { return std::find(grids.begin(), grids.end(), grid) == grids.end(); });
     for (const std::string& variant : part.variants)
       for (const std::string& method : part.methods)
         for (const std::string& of : part.of) {
@@ -140,7 +141,8 @@ std::vector<Judgement> judge(const Claim& claim, const std::map<std::string, Rul
                          other_method + (other_of != of ? ": " + other_of : "");
           const auto values = series(results, variant, method, of, on);
           const auto others = series(results, other_variant, other_method, other_of, on);
-          if (values && others && !on.empty()) made.checks = check(rule, part, on, *values, *others);
+          if (values && others && !on.empty())
+            made.checks = check(rule, part, on, *values, *others);
           judgements.push_back(std::move(made));
         }
   }

@@ -40,7 +40,7 @@ struct Judgement {
   std::string series, rule;
   double lower = 0, upper = 0;
   std::vector<RuleCheck> checks;  // none: not all runs have been made
-  bool kept() const;          // all of them
+  bool kept() const;              // all of them
   bool some() const;
 };
 

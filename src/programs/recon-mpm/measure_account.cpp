@@ -126,8 +126,9 @@ void add_momenta(Measured& measured, const History& history) {
   measured.add("momentum defect", vectors / size);
   if (history.largest_moment > 0)
     measured.add("angular momentum defect", angular / history.largest_moment);
-  measured.add("change of momentum",
-               mpm::distance(history.ledger.back().momentum, history.ledger.front().momentum) / size);
+  measured.add(
+      "change of momentum",
+      mpm::distance(history.ledger.back().momentum, history.ledger.front().momentum) / size);
 }
 
 void add_energies(Measured& measured, const History& history) {
@@ -171,10 +172,10 @@ Measured account(const Request& request) {
         add_momenta(measured, history);
         add_energies(measured, history);
         if (file.exact && history.largest_moment > 0)
-          measured.add(
-              "angular momentum at the end less the exact one",
-              (history.ledger.back().angular[2] - exact_angular_momentum(simulation, *file.exact)[2]) /
-                  history.largest_moment);
+          measured.add("angular momentum at the end less the exact one",
+                       (history.ledger.back().angular[2] -
+                        exact_angular_momentum(simulation, *file.exact)[2]) /
+                           history.largest_moment);
         draw_energies(request, history);
       },
       request.load());
@@ -290,6 +291,8 @@ constexpr NamedMeasure all[] = {
 
 }  // namespace
 
-std::span<const NamedMeasure> account_measures() { return all; }
+std::span<const NamedMeasure> account_measures() {
+  return all;
+}
 
 }  // namespace recon::program

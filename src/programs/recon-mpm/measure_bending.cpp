@@ -151,8 +151,8 @@ struct Beam {
   static double ramp(double t) { return 1 - std::sin(frequency() * t) / (frequency() * t); }
 };
 
-constexpr double corner = 1.0 / 12;                 // of the last particle from the end
-constexpr double weak = 100.0 / 288;                // F = 100 by eq. 35 as printed
+constexpr double corner = 1.0 / 12;   // of the last particle from the end
+constexpr double weak = 100.0 / 288;  // F = 100 by eq. 35 as printed
 constexpr double near_axis = 0.5 - corner - 1e-6, far_axis = 0.5 + corner + 1e-6;
 
 // Mean deflection of the two particles next to the axis at the free end.
@@ -294,7 +294,9 @@ LinePlot axis_plot(const std::string& title, const BendingParticles& particles, 
   return plot;
 }
 
-std::string title_of(const Request& request) { return request.method + ", " + request.variant.name; }
+std::string title_of(const Request& request) {
+  return request.method + ", " + request.variant.name;
+}
 
 Measured cantilever(const Request& request) {
   constexpr double slow_end = 400;
@@ -428,8 +430,7 @@ Measured box(const Request& request) {
                     .change =
                         [raised](BendingProblem& problem) {
                           for (std::size_t p = 0; p < problem.particles.size(); ++p)
-                            if (problem.particles.body[p] == 1)
-                              problem.particles.x[p][1] += raised;
+                            if (problem.particles.body[p] == 1) problem.particles.x[p][1] += raised;
                         },
                     .accounts = true};
   const BendingRun run = simulate(request, {}, watch);
@@ -477,7 +478,8 @@ Measured negative_mass(const Request& request) {
   const Watch watch{.value = {},
                     .change =
                         [stress](BendingProblem& problem) {
-                          if (!stress) problem.materials = {mpm::LinearElastic{mpm::Lame{0, 1e-30}}};
+                          if (!stress)
+                            problem.materials = {mpm::LinearElastic{mpm::Lame{0, 1e-30}}};
                         },
                     .accounts = false};
   const std::vector<std::string> settings{"velocity=[0.5,0.3]", "end=3"};
@@ -503,6 +505,8 @@ constexpr NamedMeasure all[] = {{"bar", bar},
 
 }  // namespace
 
-std::span<const NamedMeasure> bending_measures() { return all; }
+std::span<const NamedMeasure> bending_measures() {
+  return all;
+}
 
 }  // namespace recon::program

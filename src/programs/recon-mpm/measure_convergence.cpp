@@ -17,15 +17,14 @@ Measured convergence(const Request& request) {
   Measured measured;
   mpm::ConvergenceStudy study{{request.method}, {request.grid}, {}};
   for (const auto& [part, name] : times) study.times.push_back(part);
-  const auto rows = mpm::converge(
-      [&](std::span<const std::string>) { return request.load(); }, study);
+  const auto rows =
+      mpm::converge([&](std::span<const std::string>) { return request.load(); }, study);
   double end = 0;
   for (const auto& row : rows) end = std::max(end, row.time);
   for (const auto& row : rows) {
     if (row.norm != request.study.norm) continue;
     for (const auto& [part, name] : times)
-      if (std::abs(row.time - part * end) < 1e-9 * end)
-        measured.add(row.field + name, row.error);
+      if (std::abs(row.time - part * end) < 1e-9 * end) measured.add(row.field + name, row.error);
     if (row.time == end) measured.note = row.failure;
   }
   return measured;
@@ -35,8 +34,7 @@ Measured convergence(const Request& request) {
 template <int D>
 void halve(mpm::Problem<D>& problem, double by = 2) {
   problem.time.step /= by;
-  problem.time.courant =
-      problem.time.courant.value_or(problem.method.default_courant(D)) / by;
+  problem.time.courant = problem.time.courant.value_or(problem.method.default_courant(D)) / by;
 }
 
 // The part of its time that a run comes to, and why it stops.
@@ -111,6 +109,8 @@ constexpr NamedMeasure all[] = {
 
 }  // namespace
 
-std::span<const NamedMeasure> convergence_measures() { return all; }
+std::span<const NamedMeasure> convergence_measures() {
+  return all;
+}
 
 }  // namespace recon::program

@@ -49,9 +49,15 @@ Numbers random_in_cells(int cells, int per_cell, std::uint64_t seed) {
   return points;
 }
 
-double one(double) { return 1; }
-double same(double x) { return x; }
-double square(double x) { return x * x; }
+double one(double) {
+  return 1;
+}
+double same(double x) {
+  return x;
+}
+double square(double x) {
+  return x * x;
+}
 
 // The rows of the source's table 4.2 in which (sum phi x)^2 > sum phi x^2, whatever its rounding.
 int impossible_rows() {
@@ -88,9 +94,8 @@ Measured shepard(const Request& request) {
       Numbers points = regular(request.grid, 4, -1, 1);
       if (random) {
         points.clear();
-        for (const auto& x :
-             random_points<double, 1>(4 * static_cast<std::size_t>(request.grid),
-                                      static_cast<std::uint64_t>(cloud)))
+        for (const auto& x : random_points<double, 1>(4 * static_cast<std::size_t>(request.grid),
+                                                      static_cast<std::uint64_t>(cloud)))
           points.push_back(2 * x[0] - 1);
       }
       errors = fitted(points, nodes, options, u);
@@ -132,13 +137,14 @@ Measured reconstruction(const Request& request) {
   const Numbers nodes = nodes_of(request.grid, lower, upper);
   double sums[3] = {}, counts[3] = {};
   for (int cloud = 1; cloud <= (random ? clouds : 1); ++cloud) {
-    const Numbers points =
-        random ? random_in_cells(request.grid, 4, static_cast<std::uint64_t>(cloud))
-               : regular(request.grid, gong ? 4 : 2, lower, upper);
+    const Numbers points = random
+                               ? random_in_cells(request.grid, 4, static_cast<std::uint64_t>(cloud))
+                               : regular(request.grid, gong ? 4 : 2, lower, upper);
     const Numbers values = fitted(points, nodes, options, u);
     for (int i = 0; i <= request.grid; ++i) {
       const int border = std::min(i, request.grid - i);
-      const double error = values[static_cast<std::size_t>(i)] - u(nodes[static_cast<std::size_t>(i)]);
+      const double error =
+          values[static_cast<std::size_t>(i)] - u(nodes[static_cast<std::size_t>(i)]);
       for (int set = 0; set < 3; ++set)
         if (border >= set) {
           sums[set] += error * error;
@@ -233,6 +239,8 @@ constexpr NamedMeasure all[] = {{"shepard", shepard},
 
 }  // namespace
 
-std::span<const NamedMeasure> fit_measures() { return all; }
+std::span<const NamedMeasure> fit_measures() {
+  return all;
+}
 
 }  // namespace recon::program

@@ -23,8 +23,11 @@ constexpr double pi = std::numbers::pi;
 class GridOnly {
  public:
   GridOnly(int cells, int per_cell, double courant)
-      : cells_(cells), per_cell_(per_cell), courant_(courant),
-        v_(static_cast<std::size_t>(cells)), e_(static_cast<std::size_t>(cells * per_cell)) {}
+      : cells_(cells),
+        per_cell_(per_cell),
+        courant_(courant),
+        v_(static_cast<std::size_t>(cells)),
+        e_(static_cast<std::size_t>(cells * per_cell)) {}
 
   std::vector<double>& v() { return v_; }
   void step() {
@@ -91,8 +94,8 @@ Measured stability(const Request& request) {
     double worst = 1;
     for (int mode = 1; mode < cells / 2; ++mode) {
       const double half = pi * mode / cells;
-      const double printed =
-          2 * std::asin(courant / per_cell * std::pow(std::sin(half), 2) / std::sin(half / per_cell));
+      const double printed = 2 * std::asin(courant / per_cell * std::pow(std::sin(half), 2) /
+                                           std::sin(half / per_cell));
       const double ratio = grid_only_frequency(cells, per_cell, courant, mode) / printed;
       if (std::abs(std::log(ratio)) > std::abs(std::log(worst))) worst = ratio;
     }
@@ -138,6 +141,8 @@ constexpr NamedMeasure all[] = {{"stability", stability}, {"step cost", step_cos
 
 }  // namespace
 
-std::span<const NamedMeasure> stability_measures() { return all; }
+std::span<const NamedMeasure> stability_measures() {
+  return all;
+}
 
 }  // namespace recon::program

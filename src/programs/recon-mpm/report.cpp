@@ -14,7 +14,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string shown(double value) { return std::isnan(value) ? "-" : number(value, 3); }
+std::string shown(double value) {
+  return std::isnan(value) ? "-" : number(value, 3);
+}
+
+// In a cell of a table a bar would end it.
+std::string cell(const std::string& text) {
+  std::string safe;
+  for (const char c : text) safe += c == '|' ? "\\|" : std::string(1, c);
+  return safe;
+}
 
 std::string bounds(double lower, double upper) {
   if (std::isinf(lower)) return "at most " + number(upper, 4);
@@ -32,14 +41,16 @@ bool is_reconstruction(const Document& document, const Claim& claim) {
 }
 
 std::string verdict_text(const Judged& judged) {
-  return name_of(judged.verdict) + (judged.why.empty() ? "" : " (" + judged.why + ")");
+  return name_of(judged.verdict) + (judged.why.empty() ? "" : " (" + cell(judged.why) + ")");
 }
 
 // How many claims of each source have which verdict.
 std::string overview(const Report& report) {
   std::string text =
-      "| source | claims | hold | hold partly | do not reproduce | cannot be judged | figures, tables "
-      "and sections | of them without a claim |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n";
+      "| source | claims | hold | hold partly | do not reproduce | cannot be judged | figures, "
+      "tables "
+      "and sections | of them without a claim |\n| --- | --- | --- | --- | --- | --- | --- | --- "
+      "|\n";
   for (const Document& document : report.list.documents) {
     int counts[4] = {}, all = 0;
     for (const Judged& each : report.claims)
@@ -48,8 +59,8 @@ std::string overview(const Report& report) {
     for (const Without& each : document.without) without += each.at.size();
     text += "| " + document.source + " | " + std::to_string(all);
     for (const int count : counts) text += " | " + std::to_string(count);
-    text += " | " + std::to_string(document.numbers.size()) + " | " + std::to_string(without) +
-            " |\n";
+    text +=
+        " | " + std::to_string(document.numbers.size()) + " | " + std::to_string(without) + " |\n";
   }
   return text + "\n";
 }
@@ -63,7 +74,8 @@ std::string rules_table(const ClaimList& list) {
       {"ratio", "number over another on each grid"},
       {"printed", "number less the printed one"},
       {"falls", "number over that on the next coarser grid, all pairs"},
-      {"breaks", "the run stops because a volume is no longer positive, and so with half the step"}};
+      {"breaks",
+       "the run stops because a volume is no longer positive, and so with half the step"}};
   for (const auto& [name, rule] : list.rules) {
     std::string range = bounds(rule.lower, rule.upper);
     if (rule.kind == "printed") range = "one unit of the last digit";
@@ -87,7 +99,7 @@ std::string claims_table(const Report& report, const Document& document) {
     add("finer grids", each.finer);
     add("at T/4", each.quarter);
     add("at 3T/8", each.three_eighths);
-    text += "| " + Document::place(*each.claim) + " | " + each.claim->says + " | " +
+    text += "| " + Document::place(*each.claim) + " | " + cell(each.claim->says) + " | " +
             verdict_text(each) + " | " + differs + " |\n";
   }
   return text + "\n";
@@ -98,11 +110,15 @@ std::string judgement_table(const Judged& judged) {
   for (const Judgement& each : judged.judgements) {
     std::string measured;
     for (const RuleCheck& check : each.checks)
-      measured += (measured.empty() ? "" : "; ") + (each.checks.size() > 1 ? check.name + ": " : "") +
-                  shown(check.value);
-    text += "| " + each.series + " | " + each.rule + " | " + bounds(each.lower, each.upper) + " | " +
-            (measured.empty() ? "not run" : measured) + " | " +
-            (each.kept() ? "yes" : each.some() ? "in part" : "no") + " |\n";
+      measured += (measured.empty() ? "" : "; ") +
+                  (each.checks.size() > 1 ? check.name + ": " : "") + shown(check.value);
+    text += "| " + cell(each.series) + " | " + cell(each.rule) + " | " +
+            bounds(each.lower, each.upper) + " | " + (measured.empty() ? "not run" : measured) +
+            " | " +
+            (each.kept()   ? "yes"
+             : each.some() ? "in part"
+                           : "no") +
+            " |\n";
   }
   return text + "\n";
 }
@@ -129,9 +145,8 @@ std::string error_table(const Study& study, const StudyResults& results) {
         std::vector<double> errors;
         for (const int grid : grids) {
           const auto run = results.find({first.variant, first.method, grid});
-          errors.push_back(run == results.end()
-                               ? std::nan("")
-                               : run->second.value(std::string(field) + suffix));
+          errors.push_back(run == results.end() ? std::nan("")
+                                                : run->second.value(std::string(field) + suffix));
         }
         const std::vector<double> found = orders(grids, errors);
         text += "| " + (first.variant.empty() ? "" : first.variant + ", ") + first.method + " | " +
@@ -154,7 +169,7 @@ std::string number_table(const Study& study, const StudyResults& results) {
   const std::vector<int> grids = grids_of(results);
   std::string head = "| run | cells", line = "| --- | ---";
   for (const std::string& name : names) {
-    head += " | " + name;
+    head += " | " + cell(name);
     line += " | ---";
   }
   std::string text = head + " |\n" + line + " |\n";
@@ -197,8 +212,7 @@ std::string study_head(const Study& study) {
   std::string text = "### Study: " + study.name + "\n\n";
   std::string what;
   if (!study.problem.empty()) what = "`" + study.problem + ".toml`";
-  for (const std::string& each : study.settings)
-    what += (what.empty() ? "`" : ", `") + each + "`";
+  for (const std::string& each : study.settings) what += (what.empty() ? "`" : ", `") + each + "`";
   const auto list = [](const std::vector<int>& grids) {
     std::string words;
     for (const int grid : grids) words += " " + std::to_string(grid);
@@ -229,8 +243,8 @@ std::string study_section(const Report& report, const Document& document, const 
 }  // namespace
 
 std::string picture_name(const Study& study, const RunKey& key) {
-  std::string name = study.name + "_" + (key.variant.empty() ? "" : key.variant + "_") + key.method +
-                     "_" + std::to_string(key.grid);
+  std::string name = study.name + "_" + (key.variant.empty() ? "" : key.variant + "_") +
+                     key.method + "_" + std::to_string(key.grid);
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   return name;
@@ -271,8 +285,8 @@ std::string reconstruction_table(const Report& report) {
         measured += (k > 0 ? ", " : "") + shown(judgement.checks[k].value);
     }
     text += "| " + each.document->source + ", " + Document::place(*each.claim) + " | " +
-            each.claim->says + " | " + name_of(each.verdict) + " | " +
-            (measured.empty() ? each.claim->why : measured) + " |\n";
+            cell(each.claim->says) + " | " + name_of(each.verdict) + " | " +
+            cell(measured.empty() ? each.claim->why : measured) + " |\n";
   }
   return text;
 }
@@ -282,20 +296,20 @@ std::string verification_page(const Report& report) {
       "# Verification\n\nWritten by `recon-mpm verify" + std::string(report.full ? " --full" : "") +
       "` from the list of claims in [claims](claims), which has every figure, table and section of "
       "the three publications (`recon-mpm verify --list`).\n\n" +
-      overview(report) +
-      "A verdict is that of the rules below on the grids of the source" +
+      overview(report) + "A verdict is that of the rules below on the grids of the source" +
       (report.full ? "" : ", as far as the quick verification has them") +
       ". Claims about orders are made at T, a whole period, at which errors of first order may "
       "cancel; what the same rules say at T/4 and 3T/8, on finer grids and in the quick "
       "verification stands beside, where it differs.\n\n";
   for (const Document& document : report.list.documents)
     text += "## Claims of " + document.source + "\n\n" + claims_table(report, document);
-  text += "## How claims are judged\n\nA part of a claim holds where its rule is kept on all grids or "
-          "pairs, and in part where it is on some. A claim holds where all parts do, does not "
-          "reproduce where no part does on any grid, and holds partly in between. A run that stopped "
-          "has no numbers, and keeps no rule but \"diverges\" and \"breaks\". The rules are in "
-          "[claims/rules.toml](claims/rules.toml).\n\n" +
-          rules_table(report.list);
+  text +=
+      "## How claims are judged\n\nA part of a claim holds where its rule is kept on all grids or "
+      "pairs, and in part where it is on some. A claim holds where all parts do, does not "
+      "reproduce where no part does on any grid, and holds partly in between. A run that stopped "
+      "has no numbers, and keeps no rule but \"diverges\" and \"breaks\". The rules are in "
+      "[claims/rules.toml](claims/rules.toml).\n\n" +
+      rules_table(report.list);
   for (const Document& document : report.list.documents) {
     text += "## Measured: " + document.source + "\n\n";
     for (const Study& study : document.studies) text += study_section(report, document, study);

@@ -57,8 +57,7 @@ void ResultFile::read() {
       else
         words.back() += c;
     const auto grid = words.size() == 6 ? to_number(words[3]) : std::nullopt;
-    if (!grid)
-      throw FileError(path_, n, "is no line of results");
+    if (!grid) throw FileError(path_, n, "is no line of results");
     if (words[0] != mark(words[1])) continue;
     Measured& run = runs_[{words[1], words[2], static_cast<int>(*grid)}];
     if (words[4] == "stopped" || words[4] == "refused") {
@@ -80,7 +79,8 @@ void ResultFile::write() const {
     file.write(start + "run\t1\n");
     for (const auto& [name, value] : run.numbers)
       file.write(start + name + "\t" + number(value, 17) + "\n");
-    if (!run.note.empty()) file.write(start + (run.refused ? "refused" : "stopped") + "\t" + plain(run.note) + "\n");
+    if (!run.note.empty())
+      file.write(start + (run.refused ? "refused" : "stopped") + "\t" + plain(run.note) + "\n");
   }
   file.commit();
 }

@@ -159,9 +159,18 @@ class Verification {
     const StudyResults& results = report_.results.at(study.name);
     judged.judgements = judge(claim, list_.rules, results, main_grids(study), options_.full);
     judged.verdict = verdict_of(judged.judgements);
-    if (judged.verdict == Verdict::unknown)
-      judged.why =
-          options_.full ? "its runs have not all been made" : "not in the quick verification";
+    if (judged.verdict == Verdict::unknown) {
+      judged.why = "not in the quick verification";
+      if (options_.full) {  // better the grids of the quick verification than none, if that is said
+        std::vector<Judgement> quick = judge(claim, list_.rules, results, study.quick, false);
+        judged.verdict = verdict_of(quick);
+        judged.why = "its runs have not all been made";
+        if (judged.verdict != Verdict::unknown) {
+          judged.judgements = std::move(quick);
+          judged.why = "grids of the quick verification only";
+        }
+      }
+    }
     judged.quarter = verdict_at(claim, study, " T/4");
     judged.three_eighths = verdict_at(claim, study, " 3T/8");
     if (options_.full) {
