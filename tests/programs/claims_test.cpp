@@ -117,7 +117,11 @@ TEST(Claims, NamesMustExist) {
 
 // A claim about the quantity q of method m, beside that of method n.
 Claim claim_by(const std::string& rule) {
-  Part part{rule, {"q"}, {"m"}, {""}};
+  Part part;
+  part.rule = rule;
+  part.of = {"q"};
+  part.methods = {"m"};
+  part.variants = {""};
   const std::string& kind = claims().rules.at(rule).kind;
   if (kind == "difference" || kind == "ratio") part.than = "n";
   part.printed = 2;
@@ -168,7 +172,9 @@ TEST(Rules, HaveTwoSides) {
     if (std::isfinite(rule.lower)) {
       EXPECT_EQ(verdict_on(rule, rule.lower + some), Verdict::holds);
       // A ratio or a part of something is never negative.
-      if (rule.lower != 0) EXPECT_EQ(verdict_on(rule, rule.lower - step), Verdict::fails);
+      if (rule.lower != 0) {
+        EXPECT_EQ(verdict_on(rule, rule.lower - step), Verdict::fails);
+      }
     }
     if (std::isfinite(rule.upper)) {
       EXPECT_EQ(verdict_on(rule, rule.upper - some), Verdict::holds);

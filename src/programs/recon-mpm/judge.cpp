@@ -137,7 +137,7 @@ std::vector<Judgement> judge(const Claim& claim, const std::map<std::string, Rul
           const bool compares =
               other_method != method || other_variant != variant || other_of != of;
           if (compares)
-            made.rule += " than " + (other_variant != variant ? other_variant + ", " : "") +
+            made.rule += ", against " + (other_variant != variant ? other_variant + ", " : "") +
                          other_method + (other_of != of ? ": " + other_of : "");
           const auto values = series(results, variant, method, of, on);
           const auto others = series(results, other_variant, other_method, other_of, on);
