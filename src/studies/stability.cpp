@@ -134,23 +134,33 @@ std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, doub
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
       problem.particles.v[p][0] = 1e-6 * std::sin(k * problem.particles.x[p][0]);
     Simulation<1> simulation(std::move(problem));
-    // The displacement of the mode returns to zero after half a period.
+    // The displacement of the mode returns to zero after half a period; its velocity is then the
+    // greatest again, backwards.
+    struct Amplitude {
+      double displacement = 0, velocity = 0;
+    };
     const auto amplitude = [&] {
       const Particles<1>& at = simulation.particles();
-      double sum = 0;
-      for (std::size_t p = 0; p < at.size(); ++p)
-        sum += (at.x[p][0] - at.X[p][0]) * std::sin(k * at.X[p][0]);
+      Amplitude sum;
+      for (std::size_t p = 0; p < at.size(); ++p) {
+        sum.displacement += (at.x[p][0] - at.X[p][0]) * std::sin(k * at.X[p][0]);
+        sum.velocity += at.v[p][0] * std::sin(k * at.X[p][0]);
+      }
       return sum;
     };
-    double before = 0;
+    const double start = amplitude().velocity;
+    double before = 0, greatest = 0;
     for (double now = 0;; before = now) {
       simulation.step(dt);
-      now = amplitude();
+      const Amplitude at = amplitude();
+      now = at.displacement;
+      greatest = std::max(greatest, -at.velocity);
       if (now > 0 && simulation.steps() < 100 * cells) continue;
       const double half_period = simulation.time() - dt * now / (now - before);
-      const double kh = k / cells;
+      const double kh = k / cells, left = greatest / start;
       curve.push_back({kh, std::numbers::pi / half_period / k,
-                       2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh)});
+                       2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh),
+                       1 - left * left});
       break;
     }
   }

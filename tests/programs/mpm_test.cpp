@@ -169,11 +169,6 @@ TEST_F(MpmProgram, CompareShowsAllMethods) {
   expect_failure("compare vibration_1d.toml --picture a.gif", 1, HasSubstr(".png"));
 }
 
-TEST_F(MpmProgram, OneClaimIsVerified) {
-  EXPECT_THAT(succeed("verify --only 'figure 4.8' --quiet"),
-              AllOf(HasSubstr("| Gong 2015, figure 4.8 |"), HasSubstr("| holds |")));
-}
-
 // Gong 2015, chapter 7, with the re-mapping taken into account.
 // The usage names the arguments that a command takes, and no others.
 TEST_F(MpmProgram, UsageNamesTheArguments) {

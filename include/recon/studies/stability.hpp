@@ -5,8 +5,12 @@
 // alternating velocity that goes from the nodes to the particles and back by the velocity map; Q
 // what is left of an alternating stress in the quadrature (1 over particles). It is stable for
 //     c_p dt / h <= 1 / sqrt(Q (2 - W)) ,
-// and waves obey sin(omega dt / 2) = (c_p dt / h) sin(k h / 2) whatever the number of particles
-// (Gong 2015, eq. 7.29 corrected: docs/misprints.md, G28). c_p = sqrt((lambda + 2 mu) / density).
+// with c_p = sqrt((lambda + 2 mu) / density). On a grid that stays, with nothing re-mapped (W = Q =
+// 1), waves obey
+//     sin(omega dt / 2) = (c_p dt / h) sin(k h / 2)
+// whatever the number of particles (Gong 2015, eq. 7.29 corrected: docs/misprints.md, G28). Where
+// the grid is made anew in every step, as in all methods of the driver, short waves are slower than
+// that, and damped: dispersion() measures both.
 #pragma once
 
 #include <vector>
@@ -31,9 +35,12 @@ bool is_stable(const Method& method, int dimension, int per_cell, double courant
                bool free = false);
 
 struct DispersionPoint {
-  double kh = 0, measured = 0, analytic = 0;  // omega dt / (k c_p dt): 1 without dispersion
+  double kh = 0;
+  double measured = 0;  // omega / (k c_p): 1 without dispersion
+  double analytic = 0;  // the same on a grid that stays
+  double damping = 0;   // the part of the amplitude that a period takes away
 };
-// The dispersion of waves at c_p dt / h = courant.
+// The dispersion and damping of standing waves at c_p dt / h = courant, by the first half period.
 std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, double courant);
 
 }  // namespace recon::mpm

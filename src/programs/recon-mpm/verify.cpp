@@ -1,325 +1,253 @@
-// recon-mpm verify: the claims of the publications, measured.
-#include <algorithm>
+// recon-mpm verify: the claims of the publications, measured and judged.
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <memory>
+#include <sstream>
 
-#include "bending.hpp"
-#include "claims.hpp"
+#include "claim_list.hpp"
 #include "commands.hpp"
+#include "measure.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/progress.hpp"
-#include "programs/common/text.hpp"
 #include "recon/io/atomic_file.hpp"
-#include "recon/operators/reconstruct.hpp"
-#include "recon/runs/ledger.hpp"
-#include "recon/runs/run.hpp"
-#include "recon/studies/errors.hpp"
-#include "verification.hpp"
+#include "report.hpp"
+#include "study_results.hpp"
 
 namespace recon::program {
 namespace {
 
 namespace fs = std::filesystem;
 
-using Options = VerifyOptions;
+struct Options {
+  bool full = false, quiet = false, list = false, again = false;
+  std::string out, only, results;
+  int threads = 1;
+  double minutes = 0;  // 0: no limit
+};
 
-std::string order_text(double order) {
-  return std::isnan(order) ? "fails" : number(order, 3);
-}
+// The folder of pictures and results beside the page.
+constexpr const char* folder_name = "verification";
 
-class Report {
+class Verification {
  public:
-  explicit Report(const Options& options)
-      : options_(options), progress_("verify", total(), options.quiet) {}
+  explicit Verification(const Options& options)
+      : options_(options),
+        list_(read_claims(claim_texts())),
+        report_{list_, {}, {}, options.full, ""} {
+    if (!options.out.empty()) report_.folder = (fs::path(options.out) / folder_name).string();
+    results_ = !options.results.empty() ? options.results
+               : options.out.empty()    ? ""
+                                        : (fs::path(report_.folder) / "results").string();
+  }
 
-  void add(const Claim& claim) {
-    if (!wanted(claim.figure)) return;
-    const auto& cells = options_.full ? claim.full_cells : claim.cells;
-    std::vector<double> times{0.25, 0.375, 1};
-    const auto rows = mpm::converge(
-        [&](std::span<const std::string> more) {
-          return load(claim.problem, claim.settings, more);
-        },
-        {claim.methods, cells, times});
-    progress_.advance(1);
-    double end = 0;
-    for (const auto& row : rows) end = std::max(end, row.time);
+  const ClaimList& list() const { return list_; }
 
-    int kept = 0;
-    std::string broken;
-    for (const Expectation& expected : claim.expected) {
-      const double order =
-          mpm::slope(rows, expected.method, expected.field, claim.norm, claim.time * end);
-      const bool holds = expected.at_least ? order >= expected.order : !(order > expected.order);
-      kept += holds;
-      if (!holds)
-        broken += (broken.empty() ? "" : "; ") + expected.method + " " + expected.field + ": " +
-                  order_text(order) + " where " + (expected.at_least ? "at least " : "at most ") +
-                  number(expected.order, 3) + " was expected";
-    }
-    const std::string verdict = verdict_of(kept, static_cast<int>(claim.expected.size()));
-    verdicts_.push_back({claim.figure, claim.statement, verdict});
-    text_ += "## " + claim.figure + ": " + verdict + "\n\nClaim: " + claim.statement + "\n\n" +
-             (broken.empty() ? "" : "Not as claimed: " + broken + ".\n\n") + "`" + claim.problem +
-             ".toml`";
-    for (const std::string& setting : claim.settings) text_ += ", `" + setting + "`";
-    text_ += ", cells";
-    for (const int n : cells) text_ += " " + std::to_string(n);
-    text_ += ", norm " + claim.norm + ". Orders fitted to all grids:\n\n";
-    text_ +=
-        "| method | time | displacement | velocity | density | stress |\n"
-        "| --- | --- | --- | --- | --- | --- |\n";
-    for (const std::string& method : claim.methods)
-      for (const double part : times) {
-        text_ += "| " + method + " | " + (part == 1 ? "T" : part == 0.25 ? "T/4" : "3T/8");
-        for (const char* field : mpm::error_fields)
-          text_ += " | " + order_text(mpm::slope(rows, method, field, claim.norm, part * end));
-        text_ += " |\n";
+  void make_folders() const {
+    for (const std::string& folder : {report_.folder, results_})
+      if (!folder.empty()) {
+        std::error_code error;
+        fs::create_directories(folder, error);
+        with_exit_code(no_output, [&] { const AtomicFile probe(fs::path(folder) / ".probe"); });
       }
-    std::string failures;
-    for (const auto& row : rows)
-      if (!row.failure.empty() && row.field == "displacement" && row.norm == "l2" &&
-          row.time == end)
-        failures +=
-            "- " + row.method + ", " + std::to_string(row.cells) + " cells: " + row.failure + "\n";
-    text_ += "\n" + (failures.empty() ? "" : failures + "\n");
-    text_ += picture(options_, claim.figure, plot_of(claim, rows, end));
   }
 
-  void add(const Account& account) {
-    if (!wanted(account.figure)) return;
-    text_ += "## " + account.figure + "\n\n" + account.statement + "\n\n" +
-             "| method | momentum defect of the map, most | change of momentum | error of angular "
-             "momentum | lowest and highest total energy | energy at the end |\n"
-             "| --- | --- | --- | --- | --- | --- |\n";
-    LinePlot energies, momenta;
-    energies.title = account.figure + ": energy";
-    momenta.title = account.figure + ": sum of m |v|";
-    energies.x_label = momenta.x_label = "time";
-    energies.y_label = "energy";
-    momenta.y_label = "momentum";
-    for (const std::string& method : account.methods) {
-      const std::string settings[] = {"method.name=" + method};
-      std::visit([&](const auto& file) { run(file, method, energies, momenta); },
-                 load(account.problem, account.settings, settings));
-      progress_.advance(1);
-    }
-    text_ +=
-        "\nMomenta are parts of the largest sum of m |v|, energies parts of the first total; "
-        "angular "
-        "momentum is compared with that of the exact motion, or of the start, as part of the "
-        "start's.\n\n";
-    text_ += picture(options_, account.figure + " energy", energies);
-    text_ += picture(options_, account.figure + " momentum", momenta);
-  }
-
-  void add(const Snapshot& snapshot) {
-    if (!wanted(snapshot.figure)) return;
-    HeatMap map;
-    map.title = snapshot.figure;
-    map.colour_label = snapshot.quantity == "speed" ? "speed" : snapshot.quantity + " error";
-    map.columns = static_cast<int>(snapshot.methods.size() == 1 ? snapshot.times.size()
-                                                                : snapshot.methods.size());
-    std::string largest;
-    for (const double part : snapshot.times)
-      for (const std::string& method : snapshot.methods) {
-        const std::string settings[] = {"method.name=" + method};
-        std::visit([&](const auto& file) { add_panel(snapshot, file, method, part, map, largest); },
-                   load(snapshot.problem, snapshot.settings, settings));
-        progress_.advance(1);
+  void measure() {
+    std::vector<std::pair<const Study*, std::vector<RunKey>>> missing;
+    std::size_t runs = 0;
+    for (const Document& document : list_.documents)
+      for (const Study& study : document.studies) {
+        if (!is_wanted(document, study)) continue;
+        files_.emplace_back(std::make_unique<ResultFile>(results_, study));
+        missing.push_back({&study, {}});
+        for (const RunKey& key : runs_on(study, grids(study)))
+          if (options_.again || !files_.back()->runs().contains(key))
+            missing.back().second.push_back(key);
+        runs += missing.back().second.size();
       }
-    text_ += "## " + snapshot.figure + "\n\n" + snapshot.statement + " Largest values: " + largest +
-             ".\n\n" + picture(options_, snapshot.figure, map);
+    Progress progress("verify", runs, options_.quiet);
+    for (std::size_t s = 0; s < missing.size(); ++s) {
+      const Study& study = *missing[s].first;
+      for (const RunKey& key : missing[s].second) {
+        if (options_.minutes > 0 && progress.seconds() > 60 * options_.minutes) break;
+        files_[s]->add(key, run(study, key));
+        progress.advance(1);
+      }
+      report_.results[study.name] = files_[s]->runs();
+      if (study.kind == "convergence") draw_errors(study);
+    }
   }
 
-  void add(const BendingPart& part) {
-    if (!wanted(part.figure)) return;
-    Findings found = part.measure(options_, progress_);
-    text_ += found.text;
-    for (Verdict& verdict : found.verdicts) verdicts_.push_back(std::move(verdict));
+  void judge_all() {
+    for (const Document& document : list_.documents)
+      for (const Claim& claim : document.claims)
+        if (wanted(document, claim, options_.only)) judge_one(document, claim);
   }
 
-  void finish() const {
-    std::string all =
-        "# Verification\n\nWritten by `recon-mpm verify" +
-        std::string(options_.full ? " --full" : "") +
-        "`. An order is the slope of log(error) over log(h), fitted to all grids; "
-        "\"second order\" asks for 1.75, \"does not converge\" for at most 0.5. T is a "
-        "full period, at which errors of first order may cancel: T/4 and 3T/8 are "
-        "beside it.\n\n| figure | claim | verdict |\n| --- | --- | --- |\n";
-    for (const Verdict& v : verdicts_)
-      all += "| " + v.figure + " | " + v.statement + " | " + v.verdict + " |\n";
-    all += "\n" + text_;
+  void write() const {
+    const std::string page = verification_page(report_);
     if (options_.out.empty()) {
-      std::fputs(all.c_str(), stdout);
+      std::fputs(page.c_str(), stdout);
       return;
     }
     AtomicFile file(fs::path(options_.out) / "verification.md");
-    file.write(all);
+    file.write(page);
     file.commit();
-    for (const Verdict& v : verdicts_)
-      std::printf("%-18s %s: %s\n", v.verdict.c_str(), v.figure.c_str(), v.statement.c_str());
+    fill_page_of_reconstruction();
+    for (const Judged& each : report_.claims)
+      std::printf("%-18s %s, %s: %s\n", name_of(each.verdict).c_str(),
+                  each.document->source.c_str(), Document::place(*each.claim).c_str(),
+                  each.claim->says.c_str());
   }
 
  private:
-  bool wanted(const std::string& figure) const {
-    return figure.find(options_.only) != std::string::npos;
-  }
-  std::size_t total() const {
-    std::size_t count = 0;
-    for (const Claim& claim : claims()) count += wanted(claim.figure);
-    for (const Account& account : accounts())
-      count += wanted(account.figure) * account.methods.size();
-    for (const Snapshot& snapshot : snapshots())
-      count += wanted(snapshot.figure) * snapshot.methods.size() * snapshot.times.size();
-    for (const BendingPart& part : bending_parts()) count += wanted(part.figure) * part.runs;
-    return count;
+  bool is_wanted(const Document& document, const Study& study) const {
+    for (const Claim& claim : document.claims)
+      if (claim.study == study.name && wanted(document, claim, options_.only)) return true;
+    return false;
   }
 
-  static LinePlot plot_of(const Claim& claim, const std::vector<mpm::ConvergenceRow>& rows,
-                          double end) {
+  std::vector<int> grids(const Study& study) const {
+    return options_.full ? joined(study.quick, joined(study.paper, study.finer)) : study.quick;
+  }
+
+  Measured run(const Study& study, const RunKey& key) const {
+    const Variant* variant = nullptr;
+    for (const Variant& each : study.variants)
+      if (each.name == key.variant) variant = &each;
+    Request request{study,
+                    *variant,
+                    key.method,
+                    key.grid,
+                    options_.threads,
+                    report_.folder,
+                    picture_name(study, key)};
+    const Measure make = measure_of(study.kind);
+    try {
+      return make(request);
+    } catch (const InvalidArgument& refusal) {
+      return {{}, refusal.what(), true};
+    } catch (const FileError& refusal) {  // from reading the problem with these settings
+      return {{}, refusal.what(), true};
+    }
+  }
+
+  // The verdict of a claim whose quantities carry the name of another time.
+  std::string verdict_at(const Claim& claim, const Study& study, const std::string& time) const {
+    if (study.kind != "convergence") return "";
+    Claim other = claim;
+    for (Part& part : other.parts)
+      for (std::string& of : part.of) of += time;
+    return name_of(verdict_of(judge(other, list_.rules, report_.results.at(study.name),
+                                    main_grids(study), options_.full)));
+  }
+
+  std::vector<int> main_grids(const Study& study) const {
+    return options_.full ? study.paper : study.quick;
+  }
+
+  void judge_one(const Document& document, const Claim& claim) {
+    Judged judged{&document, &claim, {}, Verdict::unknown, claim.why, "", "", "", ""};
+    if (claim.study.empty()) {
+      for (const Verdict verdict : {Verdict::holds, Verdict::partly, Verdict::fails})
+        if (name_of(verdict) == claim.verdict) judged.verdict = verdict;
+      report_.claims.push_back(std::move(judged));
+      return;
+    }
+    const Study& study = document.study(claim.study);
+    const StudyResults& results = report_.results.at(study.name);
+    judged.judgements = judge(claim, list_.rules, results, main_grids(study), options_.full);
+    judged.verdict = verdict_of(judged.judgements);
+    if (judged.verdict == Verdict::unknown) {
+      judged.why = "not in the quick verification";
+      if (options_.full) {  // better the grids of the quick verification than none, if that is said
+        std::vector<Judgement> quick = judge(claim, list_.rules, results, study.quick, false);
+        judged.verdict = verdict_of(quick);
+        judged.why = "its runs have not all been made";
+        if (judged.verdict != Verdict::unknown) {
+          judged.judgements = std::move(quick);
+          judged.why = "grids of the quick verification only";
+        }
+      }
+    }
+    judged.quarter = verdict_at(claim, study, " T/4");
+    judged.three_eighths = verdict_at(claim, study, " 3T/8");
+    if (options_.full) {
+      const auto verdict_on = [&](const std::vector<int>& grids, bool any) {
+        const Verdict verdict = verdict_of(judge(claim, list_.rules, results, grids, any));
+        return verdict == Verdict::unknown ? "" : name_of(verdict);
+      };
+      judged.quick = verdict_on(study.quick, false);
+      if (!study.finer.empty()) judged.finer = verdict_on(joined(study.paper, study.finer), true);
+    }
+    report_.claims.push_back(std::move(judged));
+  }
+
+  // Absolute errors at T over the cell size: a curve for each method and variant, the displacement.
+  void draw_errors(const Study& study) const {
+    if (report_.folder.empty()) return;
     LinePlot plot;
-    plot.title = claim.figure;
+    plot.title = study.name + ", displacement at T";
     plot.x_label = "cell size";
-    plot.y_label = "error / error of the coarsest grid, " + claim.norm;
+    plot.y_label = "error, " + study.norm;
     plot.log_x = plot.log_y = true;
     plot.reference_slope = 2;
-    for (const std::string& method : claim.methods)
-      for (const char* field : mpm::error_fields) {
-        Curve curve{claim.methods.size() > 1 ? method + " " + field : field,
-                    {},
-                    {},
-                    CurveStyle::line_and_markers};
-        for (const auto& row : rows)
-          if (row.method == method && row.field == field && row.norm == claim.norm &&
-              row.time == end) {
-            curve.x.push_back(row.h);
-            curve.y.push_back(row.error);
-          }
-        const double largest = curve.y.empty() ? 1 : curve.y.front();
-        for (double& y : curve.y) y /= largest;
-        if (!std::isnan(largest)) plot.curves.push_back(curve);
+    for (const RunKey& first : runs_on(study, {0})) {
+      Curve curve{(first.variant.empty() ? "" : first.variant + ", ") + first.method,
+                  {},
+                  {},
+                  CurveStyle::line_and_markers};
+      for (const auto& [key, run] : report_.results.at(study.name)) {
+        const double error = run.value("displacement");
+        if (key.variant != first.variant || key.method != first.method || !(error > 0)) continue;
+        curve.x.push_back(1.0 / key.grid);
+        curve.y.push_back(error);
       }
-    return plot;
-  }
-
-  // The size of a quantity at the particles, spread over a grid that is three times as fine as
-  // theirs by Shepard's mean; nothing where no particle is near.
-  template <int D>
-  static void add_panel(const Snapshot& snapshot, const mpm::ProblemFile<D>& file,
-                        const std::string& method, double part, HeatMap& map,
-                        std::string& largest) {
-    if constexpr (D == 2) {
-      const mpm::Problem<D>& problem = file.problem;
-      mpm::Simulation<D> simulation(problem);
-      HeatMapPanel panel;
-      panel.title = method + " at " + number(part * problem.time.end, 3);
-      try {
-        mpm::run_until(simulation, part * problem.time.end);
-      } catch (const mpm::Failure& stop) {
-        largest += (largest.empty() ? "" : ", ") + method + " " + stop.what();
-        return;
-      }
-      const mpm::Particles<D>& particles = simulation.particles();
-      std::vector<double> size(particles.size());
-      for (std::size_t p = 0; p < size.size(); ++p) {
-        if (snapshot.quantity == "speed") {
-          size[p] = particles.v[p].norm();
-          continue;
-        }
-        size[p] = mpm::error_of(simulation, *file.exact, p, snapshot.quantity);
-      }
-      const double h = problem.grid.h();
-      const auto points = points_of(particles.x);
-      panel.grid = covering_grid(bounding_box(points, "particles"), h / 6);
-      const auto nodes = panel.grid.nodes();
-      const Reconstruction fit =
-          reconstruct(points, nodes.view(), {.degree = 0, .neighbours = Radius{0.45 * h}});
-      panel.values.resize(panel.grid.size());
-      fit.apply(field_of(size), field_of(panel.values));
-      for (const auto& x : particles.x) panel.dots.push_back({x[0], x[1]});
-      largest += (largest.empty() ? "" : ", ") + panel.title + " " +
-                 number(*std::max_element(size.begin(), size.end()), 3);
-      map.panels.push_back(std::move(panel));
-    } else {
-      (void)snapshot, (void)file, (void)method, (void)part, (void)map, (void)largest;
+      if (!curve.x.empty()) plot.curves.push_back(std::move(curve));
     }
-  }
-
-  template <int D>
-  void run(const mpm::ProblemFile<D>& file, const std::string& method, LinePlot& energies,
-           LinePlot& momenta) {
-    mpm::Simulation<D> simulation(file.problem);
-    Curve kinetic{method + " kinetic", {}, {}, CurveStyle::line},
-        strain = kinetic, total = kinetic,
-        particles{method + " particles", {}, {}, CurveStyle::line}, nodes = particles;
-    strain.name = method + " strain";
-    total.name = method + " total";
-    nodes.name = method + " nodes";
-    std::optional<mpm::Ledger> start;
-    mpm::Ledger now;
-    double defect = 0, largest = 0;
-    std::string failure;
     try {
-      mpm::run_until(simulation, file.problem.time.end, [&] {
-        now = mpm::account(simulation, start);
-        if (!start) start = now;
-        double of_particles = 0, of_nodes = 0;
-        for (std::size_t p = 0; p < simulation.particles().size(); ++p)
-          of_particles += simulation.particles().mass[p] * simulation.particles().v[p].norm();
-        for (std::size_t i = 0; i < simulation.nodes().mass.size(); ++i)
-          of_nodes += simulation.nodes().mass[i] * simulation.nodes().mapped[i].norm();
-        defect = std::max(defect, mpm::distance(now.momentum, now.node_momentum));
-        largest = std::max(largest, of_particles);
-        for (Curve* curve : {&kinetic, &strain, &total, &particles, &nodes})
-          curve->x.push_back(now.time);
-        kinetic.y.push_back(now.kinetic);
-        strain.y.push_back(now.strain);
-        total.y.push_back(now.total());
-        particles.y.push_back(of_particles);
-        nodes.y.push_back(of_nodes);
-      });
-    } catch (const mpm::Failure& stop) {
-      failure = stop.what();
+      if (!plot.curves.empty()) draw(fs::path(report_.folder) / (study.name + ".png"), plot);
+    } catch (const FileError&) {  // no gnuplot: the numbers are what counts
     }
-    // Of the exact motion where there is one (its body force turns the ring), else of the start.
-    const double angular =
-        file.exact ? exact_angular_momentum(simulation, *file.exact)[2] : start->angular[2];
-    const auto [low, high] = std::minmax_element(total.y.begin(), total.y.end());
-    const double first = total.y.front();
-    text_ += "| " + method + " | " + number(defect / largest, 3) + " | " +
-             number(mpm::distance(now.momentum, start->momentum) / largest, 3) + " | " +
-             (std::abs(start->angular[2]) > 1e-9 * start->mass
-                  ? number((now.angular[2] - angular) / start->angular[2], 3)
-                  : "-") +
-             " | " + number(*low / first, 4) + " .. " + number(*high / first, 4) + " | " +
-             number(total.y.back() / first, 4) + " |" + (failure.empty() ? "" : " " + failure) +
-             "\n";
-    energies.curves.insert(energies.curves.end(), {kinetic, strain, total});
-    momenta.curves.insert(momenta.curves.end(), {particles, nodes});
+  }
+
+  // The table between the marks in papers.md, if it is there.
+  void fill_page_of_reconstruction() const {
+    const fs::path path = fs::path(options_.out) / "papers.md";
+    std::ifstream file(path);
+    if (!file) return;
+    std::stringstream all;
+    all << file.rdbuf();
+    std::string page = all.str();
+    const std::string begin = "<!-- claims -->\n", end = "<!-- end -->";
+    const std::size_t from = page.find(begin);
+    if (from == std::string::npos) return;
+    const std::size_t start = from + begin.size(), stop = page.find(end, start);
+    if (stop == std::string::npos) return;
+    page.replace(start, stop - start, reconstruction_table(report_));
+    AtomicFile out(path);
+    out.write(page);
+    out.commit();
   }
 
   const Options& options_;
-  Progress progress_;
-  std::string text_;
-  std::vector<Verdict> verdicts_;
+  const ClaimList list_;
+  std::string results_;
+  std::vector<std::unique_ptr<ResultFile>> files_;
+  Report report_;
 };
 
 void run(const Options& options) {
-  if (!options.out.empty()) {
-    std::error_code error;
-    fs::create_directories(fs::path(options.out) / picture_folder, error);
-    with_exit_code(no_output,
-                   [&] { const AtomicFile probe(fs::path(options.out) / "verification.md"); });
+  Verification verification(options);
+  if (options.list) {
+    std::fputs(listing(verification.list(), options.only).c_str(), stdout);
+    return;
   }
-  Report report(options);
-  for (const Claim& claim : claims()) report.add(claim);
-  for (const Account& account : accounts()) report.add(account);
-  for (const Snapshot& snapshot : snapshots()) report.add(snapshot);
-  for (const BendingPart& part : bending_parts()) report.add(part);
-  with_exit_code(no_output, [&] { report.finish(); });
+  verification.make_folders();
+  with_exit_code(no_output, [&] { verification.measure(); });
+  verification.judge_all();
+  with_exit_code(no_output, [&] { verification.write(); });
 }
 
 }  // namespace
@@ -327,13 +255,26 @@ void run(const Options& options) {
 Command add_verify(CLI::App& app) {
   auto* command = app.add_subcommand("verify", "the claims of the publications, measured");
   auto options = std::make_shared<Options>();
-  command->add_flag("--full", options->full, "finer grids; takes long");
-  command->add_option("--only", options->only, "figures whose name contains this text")
+  command->add_flag("--list", options->list,
+                    "every figure, table and section of the publications, with its claims");
+  command->add_flag("--full", options->full, "the grids of the publications and finer ones; hours");
+  command->add_option("--only", options->only,
+                      "claims whose place or words contain this text, as in 'figure 10' or 'Ring'; "
+                      "or the name of a study")
       ->type_name("TEXT");
-  command
-      ->add_option("--out", options->out,
-                   "folder for verification.md and verification/*.png (default: the terminal)")
+  command->add_option("--out", options->out,
+                      "folder for verification.md and verification/ (default: the terminal)")
       ->type_name("FOLDER");
+  command->add_option("--results", options->results,
+                      "folder for the results of runs, which are not made again "
+                      "(default: verification/results in the folder of --out)")
+      ->type_name("FOLDER");
+  command->add_flag("--again", options->again, "make all runs anew");
+  command->add_option("--minutes", options->minutes, "begin no run after this time")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--threads", options->threads, "threads of a run")
+      ->check(whole_number(1))
+      ->capture_default_str();
   command->add_flag("--quiet", options->quiet, "no progress");
   return [options] { run(*options); };
 }

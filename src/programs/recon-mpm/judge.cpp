@@ -1,0 +1,163 @@
+#include "judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace recon::program {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// The numbers of one quantity on some grids, or nothing where a run has not been made.
+std::optional<std::vector<double>> series(const StudyResults& results, const std::string& variant,
+                                          const std::string& method, const std::string& of,
+                                          const std::vector<int>& grids) {
+  std::vector<double> values;
+  for (const int grid : grids) {
+    const auto run = results.find({variant, method, grid});
+    if (run == results.end() || run->second.refused) return {};
+    values.push_back(run->second.value(of));
+  }
+  return values;
+}
+
+bool within(const Rule& rule, double value) {
+  return value >= rule.lower && value <= rule.upper;
+}
+
+// The last two: those of the finest grids.
+template <class T>
+std::vector<T> finest(const std::vector<T>& all) {
+  return {all.end() - std::min<std::ptrdiff_t>(2, std::ssize(all)), all.end()};
+}
+
+std::string pair_name(const std::vector<int>& grids, std::size_t finer) {
+  return std::to_string(grids[finer - 1]) + " to " + std::to_string(grids[finer]);
+}
+
+std::vector<RuleCheck> check(const Rule& rule, const Part& part, const std::vector<int>& grids,
+                             const std::vector<double>& values, const std::vector<double>& others) {
+  std::vector<RuleCheck> checks;
+  const std::size_t n = grids.size();
+  if (rule.kind == "order" || rule.kind == "difference" || rule.kind == "falls") {
+    if (n < 2) return checks;
+    std::vector<double> numbers = orders(grids, values);
+    if (rule.kind == "difference") {
+      const std::vector<double> other = orders(grids, others);
+      for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] -= other[k];
+    }
+    if (rule.kind == "falls")
+      for (std::size_t k = 0; k + 1 < n; ++k) numbers[k] = values[k + 1] / values[k];
+    for (std::size_t k = 0; k + 1 < n; ++k) {
+      bool kept = within(rule, numbers[k]);
+      // The coarsest run must have ended: what never runs does not diverge.
+      if (rule.stops && std::isnan(values[k + 1]) && std::isfinite(values[0])) kept = true;
+      checks.push_back({pair_name(grids, k + 1), numbers[k], kept});
+    }
+    return rule.kind == "falls" ? checks : finest(checks);
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    double number = values[k];
+    if (rule.kind == "ratio") number /= part.to ? *part.to : others[k];
+    bool kept = within(rule, number);
+    if (rule.kind == "printed")  // the unit, and the rounding of the last bit
+      kept = std::abs(number - part.printed) <= part.unit * (1 + 1e-9);
+    if (rule.kind == "breaks") kept = number == 1;
+    checks.push_back({std::to_string(grids[k]), number, kept});
+  }
+  return checks;
+}
+
+}  // namespace
+
+double Measured::value(const std::string& name) const {
+  for (const auto& [each, value] : numbers)
+    if (each == name) return value;
+  return nan;
+}
+
+bool Judgement::kept() const {
+  return !checks.empty() &&
+         std::all_of(checks.begin(), checks.end(), [](const RuleCheck& each) { return each.kept; });
+}
+bool Judgement::some() const {
+  return std::any_of(checks.begin(), checks.end(), [](const RuleCheck& each) { return each.kept; });
+}
+
+std::string name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::holds:
+      return "holds";
+    case Verdict::partly:
+      return "holds partly";
+    case Verdict::fails:
+      return "does not reproduce";
+    case Verdict::unknown:
+      break;
+  }
+  return "cannot be judged";
+}
+
+std::vector<double> orders(const std::vector<int>& grids, const std::vector<double>& errors) {
+  std::vector<double> found;
+  for (std::size_t k = 1; k < grids.size(); ++k) {
+    const bool known = errors[k - 1] > 0 && errors[k] > 0;
+    found.push_back(known ? std::log(errors[k - 1] / errors[k]) /
+                                std::log(static_cast<double>(grids[k]) / grids[k - 1])
+                          : nan);
+  }
+  return found;
+}
+
+std::vector<Judgement> judge(const Claim& claim, const std::map<std::string, Rule>& rules,
+                             const StudyResults& results, const std::vector<int>& grids, bool any) {
+  std::vector<Judgement> judgements;
+  for (const Part& part : claim.parts) {
+    const Rule& rule = rules.at(part.rule);
+    std::vector<int> on = part.grids.empty() ? grids : part.grids;
+    if (!part.grids.empty() && !any)
+      std::erase_if(
+          on, [&](int grid) { return std::find(grids.begin(), grids.end(), grid) == grids.end(); });
+    for (const std::string& variant : part.variants)
+      for (const std::string& method : part.methods)
+        for (const std::string& of : part.of) {
+          Judgement made;
+          made.series = (variant.empty() ? "" : variant + ", ") + method + ": " + of;
+          made.rule = part.rule;
+          made.lower = rule.lower;
+          made.upper = rule.upper;
+          if (rule.kind == "printed") {
+            made.lower = part.printed - part.unit;
+            made.upper = part.printed + part.unit;
+          }
+          const std::string other_method = part.than.empty() ? method : part.than;
+          const std::string other_variant = part.than_variant.empty() ? variant : part.than_variant;
+          const std::string other_of = part.than_of.empty() ? of : part.than_of;
+          const bool compares =
+              other_method != method || other_variant != variant || other_of != of;
+          if (compares)
+            made.rule += ", against " + (other_variant != variant ? other_variant + ", " : "") +
+                         other_method + (other_of != of ? ": " + other_of : "");
+          const auto values = series(results, variant, method, of, on);
+          const auto others = series(results, other_variant, other_method, other_of, on);
+          if (values && others && !on.empty())
+            made.checks = check(rule, part, on, *values, *others);
+          judgements.push_back(std::move(made));
+        }
+  }
+  return judgements;
+}
+
+Verdict verdict_of(const std::vector<Judgement>& judgements) {
+  std::size_t kept = 0, some = 0;
+  for (const Judgement& each : judgements) {
+    if (each.checks.empty()) return Verdict::unknown;
+    kept += each.kept();
+    some += each.some();
+  }
+  if (judgements.empty()) return Verdict::unknown;
+  return kept == judgements.size() ? Verdict::holds : some > 0 ? Verdict::partly : Verdict::fails;
+}
+
+}  // namespace recon::program

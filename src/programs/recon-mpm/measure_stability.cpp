@@ -1,0 +1,148 @@
+// Stable steps, dispersion and damping in one dimension; what a step costs.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "measure.hpp"
+#include "programs/common/text.hpp"
+#include "recon/mpm/simulation.hpp"
+#include "recon/studies/stability.hpp"
+
+namespace recon::program {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// The linearised scheme of Gong 2015, eqs. 7.13, 7.14, on a grid that stays, with h = 1 and c = 1:
+//     v_I += C (mean of the strains of cell I + 1 - that of cell I)
+//     e_p += C (v_I - v_I-1) for every particle p of cell I
+// in a periodic bar. Velocities stay at the nodes: nothing is mapped.
+class GridOnly {
+ public:
+  GridOnly(int cells, int per_cell, double courant)
+      : cells_(cells),
+        per_cell_(per_cell),
+        courant_(courant),
+        v_(static_cast<std::size_t>(cells)),
+        e_(static_cast<std::size_t>(cells * per_cell)) {}
+
+  std::vector<double>& v() { return v_; }
+  void step() {
+    const auto mean = [&](int cell) {
+      double sum = 0;
+      for (int p = 0; p < per_cell_; ++p)
+        sum += e_[static_cast<std::size_t>((cell % cells_) * per_cell_ + p)];
+      return sum / per_cell_;
+    };
+    for (int i = 0; i < cells_; ++i)
+      v_[static_cast<std::size_t>(i)] += courant_ * (mean(i + 1) - mean(i));
+    for (int i = 0; i < cells_; ++i)
+      for (int p = 0; p < per_cell_; ++p)
+        e_[static_cast<std::size_t>(i * per_cell_ + p)] +=
+            courant_ * (v_[static_cast<std::size_t>(i)] -
+                        v_[static_cast<std::size_t>((i + cells_ - 1) % cells_)]);
+  }
+
+ private:
+  int cells_, per_cell_;
+  double courant_;
+  std::vector<double> v_, e_;
+};
+
+bool grid_only_is_stable(int cells, int per_cell, double courant) {
+  GridOnly bar(cells, per_cell, courant);
+  for (int i = 0; i < cells; ++i)
+    bar.v()[static_cast<std::size_t>(i)] = std::sin(1.7 * i * i);  // all waves
+  for (int s = 0; s < 2000; ++s) {
+    bar.step();
+    for (const double v : bar.v())
+      if (!(std::abs(v) < 1000)) return false;
+  }
+  return true;
+}
+
+// omega dt of the wave exp(i theta x / h): cos(omega dt) = (q+ + q-) / (2 q) for each of its values.
+double grid_only_frequency(int cells, int per_cell, double courant, int mode) {
+  GridOnly bar(cells, per_cell, courant);
+  const double theta = 2 * pi * mode / cells;
+  for (int i = 0; i < cells; ++i) bar.v()[static_cast<std::size_t>(i)] = std::cos(theta * i);
+  const double before = bar.v()[0];
+  bar.step();
+  const double now = bar.v()[0];
+  bar.step();
+  return std::acos(std::clamp((bar.v()[0] + before) / (2 * now), -1.0, 1.0));
+}
+
+int particles_of(const Variant& variant) {
+  return static_cast<int>(to_number(variant.name.substr(0, variant.name.find(' '))).value_or(1));
+}
+
+Measured stability(const Request& request) {
+  const int per_cell = particles_of(request.variant), cells = request.grid;
+  constexpr double courant = 0.4;
+  Measured measured;
+  if (request.method == "grid only") {
+    double low = 0, high = 4;
+    while (high - low > 0.001) {
+      const double middle = (low + high) / 2;
+      (grid_only_is_stable(cells, per_cell, middle) ? low : high) = middle;
+    }
+    measured.add("largest stable step", low);
+    double worst = 1;
+    for (int mode = 1; mode < cells / 2; ++mode) {
+      const double half = pi * mode / cells;
+      const double printed = 2 * std::asin(courant / per_cell * std::pow(std::sin(half), 2) /
+                                           std::sin(half / per_cell));
+      const double ratio = grid_only_frequency(cells, per_cell, courant, mode) / printed;
+      if (std::abs(std::log(ratio)) > std::abs(std::log(worst))) worst = ratio;
+    }
+    measured.add("frequency over (7.29), worst", worst);
+    return measured;
+  }
+  const mpm::Method method = mpm::composed(request.method);
+  const mpm::StabilityLimit limit = mpm::stability_limit(method, per_cell);
+  measured.add("largest stable step", limit.measured);
+  measured.add("1 / sqrt(Q (2 - W))", limit.analytic);
+  double worst = 1, damping = 0;
+  for (const mpm::DispersionPoint& point : mpm::dispersion(method, per_cell, courant)) {
+    const double ratio = point.measured / point.analytic;
+    if (std::abs(std::log(ratio)) > std::abs(std::log(worst))) worst = ratio;
+    damping = std::max(damping, point.damping);
+  }
+  measured.add("frequency over that of the linearised scheme, worst", worst);
+  measured.add("damping in a period, worst", damping);
+  return measured;
+}
+
+// Of a step and a cell that is filled at first: the quickest of 60.
+Measured step_cost(const Request& request) {
+  const auto file = std::get<mpm::ProblemFile<2>>(request.load());
+  mpm::Simulation<2> simulation(file.problem);
+  double best = std::numeric_limits<double>::max(), area = 0;
+  for (std::size_t p = 0; p < simulation.particles().size(); ++p)
+    area += simulation.particles().volume0[p];
+  for (int s = 0; s < 60; ++s) {
+    const double dt = simulation.choose_step().dt;
+    const auto start = std::chrono::steady_clock::now();
+    simulation.step(dt);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+    best = std::min(best, time.count());
+  }
+  Measured measured;
+  const double h = file.problem.grid.h();
+  measured.add("time of a step", best * 1e9 / (area / (h * h)));
+  return measured;
+}
+
+constexpr NamedMeasure all[] = {{"stability", stability}, {"step cost", step_cost}};
+
+}  // namespace
+
+std::span<const NamedMeasure> stability_measures() {
+  return all;
+}
+
+}  // namespace recon::program

@@ -1,0 +1,40 @@
+// The verdicts as Markdown: docs/verification.md and a part of docs/papers.md.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "judge.hpp"
+
+namespace recon::program {
+
+// A claim and what the runs say about it.
+struct Judged {
+  const Document* document;
+  const Claim* claim;
+  std::vector<Judgement> judgements;  // on the grids of the verdict
+  Verdict verdict = Verdict::unknown;
+  std::string why;  // it cannot be judged
+  // What the verdict would be on the grids of the quick verification, with the finer ones, and at
+  // other times; empty: there is nothing to say.
+  std::string quick, finer, quarter, three_eighths;
+};
+
+struct Report {
+  const ClaimList& list;
+  std::vector<Judged> claims;
+  std::map<std::string, StudyResults> results;  // by the name of the study
+  bool full = false;
+  std::string folder;  // of pictures, beside the page; empty: none
+};
+
+std::string verification_page(const Report& report);
+// A table of the claims that no run of the driver judges, for the page of reconstruction.
+std::string reconstruction_table(const Report& report);
+// One line for each number and claim.
+std::string listing(const ClaimList& list, const std::string& only);
+// Whether --only names this claim.
+bool wanted(const Document& document, const Claim& claim, const std::string& only);
+std::string picture_name(const Study& study, const RunKey& key);
+
+}  // namespace recon::program
