@@ -8,7 +8,7 @@
 
 #include "measure.hpp"
 #include "programs/common/text.hpp"
-#include "recon/mpm/simulation.hpp"
+#include "recon/runs/simulation.hpp"
 #include "recon/studies/stability.hpp"
 
 namespace recon::program {

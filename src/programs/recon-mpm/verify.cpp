@@ -258,16 +258,19 @@ Command add_verify(CLI::App& app) {
   command->add_flag("--list", options->list,
                     "every figure, table and section of the publications, with its claims");
   command->add_flag("--full", options->full, "the grids of the publications and finer ones; hours");
-  command->add_option("--only", options->only,
-                      "claims whose place or words contain this text, as in 'figure 10' or 'Ring'; "
-                      "or the name of a study")
+  command
+      ->add_option("--only", options->only,
+                   "claims whose place or words contain this text, as in 'figure 10' or 'Ring'; "
+                   "or the name of a study")
       ->type_name("TEXT");
-  command->add_option("--out", options->out,
-                      "folder for verification.md and verification/ (default: the terminal)")
+  command
+      ->add_option("--out", options->out,
+                   "folder for verification.md and verification/ (default: the terminal)")
       ->type_name("FOLDER");
-  command->add_option("--results", options->results,
-                      "folder for the results of runs, which are not made again "
-                      "(default: verification/results in the folder of --out)")
+  command
+      ->add_option("--results", options->results,
+                   "folder for the results of runs, which are not made again "
+                   "(default: verification/results in the folder of --out)")
       ->type_name("FOLDER");
   command->add_flag("--again", options->again, "make all runs anew");
   command->add_option("--minutes", options->minutes, "begin no run after this time")
