@@ -8,6 +8,7 @@
 
 #include "measure.hpp"
 #include "programs/common/text.hpp"
+#include "recon/runs/compose.hpp"
 #include "recon/runs/simulation.hpp"
 #include "recon/studies/stability.hpp"
 
