@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "recon/core/names.hpp"
 
@@ -99,31 +100,56 @@ std::string choice_text(const Method& method, std::string_view key) {
   return text;
 }
 
-Method composed(std::string_view text) {
-  const std::size_t end = std::min(text.find('+'), text.size());
-  Method method = method_named(text.substr(0, end));
-  for (std::size_t at = end; at < text.size();) {
-    const std::size_t stop = std::min(text.find('+', at + 1), text.size());
-    const std::string_view part = text.substr(at + 1, stop - at - 1);
-    at = stop;
-    const std::size_t equals = part.find('=');
-    if (equals != std::string_view::npos) {
-      set_choice(method, part.substr(0, equals), part.substr(equals + 1));
-      continue;
+namespace {
+
+// A choice of a composition: "key=value", or a word of one key alone.
+std::pair<std::string, std::string_view> choice_of(std::string_view part) {
+  const std::size_t equals = part.find('=');
+  if (equals != std::string_view::npos)
+    return {std::string(part.substr(0, equals)), part.substr(equals + 1)};
+  std::vector<std::string> known, of;
+  for (const std::string& key : method_keys())
+    for (const std::string& word : words_of(key)) {
+      known.push_back(word);
+      if (word == part) of.push_back(key);
     }
-    std::vector<std::string> known, of;
-    for (const std::string& key : method_keys())
-      for (const std::string& word : words_of(key)) {
-        known.push_back(word);
-        if (word == part) of.push_back(key);
-      }
-    if (of.size() != 1)
-      recon::detail::throw_invalid(
-          "choice of a method", part,
-          of.empty() ? "is no word of a key; " + suggest(part, known)
-                     : "is a word of several keys: say which, KEY=" + std::string(part));
-    set_choice(method, of.front(), part);
+  if (of.size() != 1)
+    recon::detail::throw_invalid(
+        "choice of a method", part,
+        of.empty() ? "is no word of a key; " + suggest(part, known)
+                   : "is a word of several keys: say which, KEY=" + std::string(part));
+  return {of.front(), part};
+}
+
+// Calls work(key, value) for each choice behind the row of a composition.
+template <class Work>
+void with_choices(std::string_view text, const Work& work) {
+  for (std::size_t at = text.find('+'); at < text.size();) {
+    const std::size_t stop = std::min(text.find('+', at + 1), text.size());
+    const auto [key, value] = choice_of(text.substr(at + 1, stop - at - 1));
+    work(key, value);
+    at = stop;
   }
+}
+
+}  // namespace
+
+std::vector<std::string> keys_of(std::string_view text) {
+  std::vector<std::string> keys;
+  with_choices(text, [&](const std::string& key, std::string_view) { keys.push_back(key); });
+  return keys;
+}
+
+Method composed(std::string_view text) {
+  Method method = method_named(text.substr(0, text.find('+')));
+  std::vector<std::string> said;
+  with_choices(text, [&](const std::string& key, std::string_view value) {
+    if (std::find(said.begin(), said.end(), key) != said.end())
+      recon::detail::throw_invalid(key + " of the method", value,
+                                   "is said before in '" + std::string(text) + "': once is enough");
+    said.push_back(key);
+    set_choice(method, key, value);
+  });
   method.name = text;
   return method;
 }

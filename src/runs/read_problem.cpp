@@ -95,7 +95,8 @@ void read_grid(ProblemReader<D>& reader) {
   grid.finish();
 }
 
-// A name, perhaps with choices in it, and choices beside it.
+// A name, perhaps with choices in it, and choices beside it, which then stand in the name as well: what
+// a method is called says what it is. A choice is said in one place only.
 template <int D>
 void read_method(ProblemReader<D>& reader) {
   const TomlTable table = reader.file().table("method");
@@ -107,8 +108,16 @@ void read_method(ProblemReader<D>& reader) {
     name = table.choice("name", names, true);
   }
   checked(table, "name", [&] { chosen = composed(name); });
+  const Method in_name = chosen;
+  const std::vector<std::string> said = keys_of(name);
   chosen.choices([&]<class T>(const char* key, T& choice) {
     if (!table.has(key)) return;
+    if (std::find(said.begin(), said.end(), key) != said.end())
+      checked(table, key, [&] {
+        recon::detail::throw_invalid(
+            std::string(key) + " of the method", choice_text(in_name, key),
+            "stands in the name '" + name + "' and beside it: once is enough");
+      });
     if constexpr (std::is_enum_v<T>)
       set_choice(chosen, key, table.choice(key, names_of<T>()));
     else if constexpr (std::is_same_v<T, bool>)
@@ -119,6 +128,9 @@ void read_method(ProblemReader<D>& reader) {
       choice = table.number(key);
   });
   table.finish();
+  for (const std::string& key : method_keys())
+    if (choice_text(chosen, key) != choice_text(in_name, key))
+      chosen.name += "+" + key + "=" + choice_text(chosen, key);
   checked(table, "name", [&] { chosen.validate(D); });
 }
 

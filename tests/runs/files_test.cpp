@@ -173,6 +173,24 @@ TEST_F(MpmFiles, MessagesNameNoEmptyPlace) {
   EXPECT_THAT(message(good, {"method.name=cpsl"}), HasSubstr("p.toml: method.name: unknown"));
 }
 
+// A choice beside the name is part of what the method is called; one that is in the name as well is refused.
+TEST_F(MpmFiles, AChoiceIsSaidOnce) {
+  const std::string beside = with("\"cpls\"", "\"cpdi1\"\nblend = 0.25");
+  const auto name_of = [&](const std::vector<std::string>& settings) {
+    return std::get<ProblemFile<2>>(read_problem_text(beside, "p.toml", settings))
+        .problem.method.name;
+  };
+  EXPECT_EQ(name_of({}), "cpdi1+blend=0.25");
+  EXPECT_EQ(name_of({"method.name=cpdi1+affine"}), "cpdi1+affine+blend=0.25");
+  EXPECT_EQ(name_of({"method.blend=0"}), "cpdi1");
+  EXPECT_THAT(
+      message(beside, {"method.name=cpdi1+blend=0.5"}),
+      HasSubstr("blend of the method = 0.5: stands in the name 'cpdi1+blend=0.5' and beside it"));
+  EXPECT_THAT(message(with("\"cpls\"", "\"cpdi1+affine\"\nvelocity = \"mass_weighted\"")),
+              HasSubstr("method.velocity: velocity of the method = affine: stands in the name"));
+  EXPECT_THAT(message(with("\"cpls\"", "\"cpdi1+flip+pic\"")), HasSubstr("is said before in"));
+}
+
 // Texts that toml++ assumes not to exist.
 TEST_F(MpmFiles, BrokenTomlIsAnError) {
   EXPECT_THAT(message("[[[a]]b]"), HasSubstr("p.toml:1: "));

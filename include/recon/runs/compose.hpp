@@ -27,7 +27,10 @@ void set_choice(Method& method, std::string_view key, std::string_view value);
 std::string choice_text(const Method& method, std::string_view key);
 
 // A row with other choices: "ROW+key=value+..." or, where a value is a word of one key alone,
-// "ROW+value". That text is its name. Throws InvalidArgument for what there is not.
+// "ROW+value". That text is its name. Throws InvalidArgument for what there is not, and for a choice
+// that is said twice.
 Method composed(std::string_view text);
+// The keys of the choices that such a text says, in its order.
+std::vector<std::string> keys_of(std::string_view text);
 
 }  // namespace recon::mpm
