@@ -28,17 +28,20 @@ def test_programs_of_a_page(page: pathlib.Path, tmp_path: pathlib.Path, monkeypa
     text = page.read_text(encoding="utf-8")
     names: dict[str, Any] = {}
     printed: str | None = None
-    for block in re.finditer(r"^```(.*)\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE):
+    run = 0
+    for block in re.finditer(r"^```([^\n]*)\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE):
         line = text.count("\n", 0, block.start(2))
         if block[1] == "python":
             code = compile("\n" * line + block[2], str(page), "exec")
             with contextlib.redirect_stdout(io.StringIO()) as out:
                 exec(code, names)
+            run += 1
             printed = out.getvalue()
         else:
             if block[1] == "text output" and printed is not None:
                 assert printed == block[2], f"{page}:{line + 1}"
             printed = None
+    assert run == text.count("\n```python\n")
 
 
 def test_the_gallery_is_made(tmp_path: pathlib.Path) -> None:
