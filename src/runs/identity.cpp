@@ -20,8 +20,8 @@ std::string text_of(const Vector<D>& value) {
   return text;
 }
 
+// A method is what is chosen, whatever it is called.
 void add_method(const Method& method, Identity& out) {
-  out.emplace_back("method.name", method.name);
   for (const std::string& key : method_keys())
     out.emplace_back("method." + key, choice_text(method, key));
 }

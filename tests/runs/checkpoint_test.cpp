@@ -142,7 +142,7 @@ TEST_F(MpmCheckpoint, BelongsToItsProblem) {
                 "body 1.kind is neo_hookean in the checkpoint, linear_elastic now"},
            Case{"cells=8", "grid.cells is 4 in the checkpoint, 8 now"},
            Case{"grid.upper=[2.0, 1.0]", "grid.upper is 1, 1 in the checkpoint, 2, 1 now"},
-           Case{"name=mpm", "method.name is cpls in the checkpoint, mpm now"},
+           Case{"name=mpm", "method.domain is cpdi1 in the checkpoint, point now"},
            Case{"degree=2", "method.degree is 1 in the checkpoint, 2 now"},
            Case{"momentum_correction=true",
                 "method.momentum_correction is false in the checkpoint, true now"},

@@ -587,7 +587,7 @@ TEST_F(MpmFiles, WrongCheckpointsAreAnswered) {
   auto other = file.problem;
   other.method = method_named("impm");
   EXPECT_THAT(what(Simulation<2>(other), checkpoint),
-              HasSubstr("method.name is mpm in the checkpoint, impm now"));
+              HasSubstr("method.velocity is mass_weighted in the checkpoint, mls now"));
   EXPECT_THAT(what(Simulation<2>(file.problem), folder_ / "none.h5"), HasSubstr("no such file"));
 }
 
