@@ -12,15 +12,6 @@ function(recon_set_compile_options target)
   endif()
 endfunction()
 
-# Headers that most files of a target include are read once for all of them: a fifth of the time of a build. Not under ccache,
-# which does not see through a precompiled header; so builds with it find the file that forgot to include one.
-function(recon_precompile target)
-  if(NOT CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache)
-    target_precompile_headers(${target} PRIVATE ${ARGN} <algorithm> <array> <cmath> <cstdint> <functional> <memory>
-      <optional> <span> <string> <variant> <vector>)
-  endif()
-endfunction()
-
 # The instruction sets that *.simd.cpp files are compiled for, besides `generic`: the flags of the whole build.
 # Optimised whatever the build type: the rest of the program must not get unoptimised helpers with instructions
 # that the processor may lack (src/core/dispatch.hpp).
@@ -97,10 +88,9 @@ function(recon_add_library name)
   # The same squared distances as in the kernels, whatever instructions the whole build may use.
   foreach(source IN LISTS sources)
     if(source MATCHES "/neighbourhood/")
-      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -ffp-contract=off SKIP_PRECOMPILE_HEADERS ON)
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -ffp-contract=off)
     endif()
   endforeach()
-  recon_precompile(${name} <Eigen/Core>)
   string(REPLACE recon_ "" short ${name})
   add_library(recon::${short} ALIAS ${name})
   target_compile_features(${name} PUBLIC cxx_std_20)
