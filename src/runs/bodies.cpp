@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <random>
+
+#include "core/brief.hpp"
 
 namespace recon::mpm {
 
@@ -17,11 +18,7 @@ void require_in_grid(const Grid<D>& grid, const Vector<D>& lower, const Vector<D
   const auto from_to = [](const Vector<D>& from, const Vector<D>& to) {
     const auto corner = [](const Vector<D>& x) {
       std::string text = D == 1 ? "" : "(";
-      for (int d = 0; d < D; ++d) {
-        char value[32];
-        std::snprintf(value, sizeof value, "%s%.9g", d ? ", " : "", x[d]);
-        text += value;
-      }
+      for (int d = 0; d < D; ++d) text += (d ? ", " : "") + recon::detail::brief(x[d], 9);
       return text + (D == 1 ? "" : ")");
     };
     return corner(from) + " to " + corner(to);

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "core/brief.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -14,11 +15,7 @@ std::string text_of(const toml::node& node) {
     for (const toml::node& each : *array) text += (text.empty() ? "" : ", ") + text_of(each);
     return "[" + text + "]";
   }
-  if (node.is_number()) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.12g", node.value_or(0.0));
-    return text;
-  }
+  if (node.is_number()) return recon::detail::brief(node.value_or(0.0), 12);
   return "'" + node.value_or(std::string()) + "'";
 }
 
