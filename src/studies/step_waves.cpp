@@ -15,9 +15,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double small = 1e-5;      // disturbances, of both signs: what is not linear is below 1e-9
-constexpr int margin = 4;           // cells between the body and the border of the grid
-constexpr double rounding = 1e-6;   // of a response over the disturbance
+constexpr double small = 1e-5;     // disturbances, of both signs: what is not linear is below 1e-9
+constexpr int margin = 4;          // cells between the body and the border of the grid
+constexpr double rounding = 1e-6;  // of a response over the disturbance
 constexpr double not_growing = 1.001;
 
 // A body of so many cells along each axis, without stress, that moves along x.
@@ -108,7 +108,10 @@ class Patch {
 };
 
 double radius_of(const Eigen::MatrixXcd& matrix) {
-  return Eigen::ComplexEigenSolver<Eigen::MatrixXcd>(matrix, false).eigenvalues().cwiseAbs().maxCoeff();
+  return Eigen::ComplexEigenSolver<Eigen::MatrixXcd>(matrix, false)
+      .eigenvalues()
+      .cwiseAbs()
+      .maxCoeff();
 }
 
 // The phases of a period of cells: multiples of pi / n, of which waves and their mirrors along x
@@ -160,8 +163,8 @@ double radius_of_free_body(const Method& method, int per_cell, double courant, i
     const Eigen::Index n = static_cast<Eigen::Index>(body.particles()) * body.per_particle();
     Eigen::MatrixXd step(n, n);
     for (Eigen::Index k = 0; k < n; ++k)
-      step.col(k) = body.response(static_cast<std::size_t>(k / body.per_particle()),
-                                  k % body.per_particle());
+      step.col(k) =
+          body.response(static_cast<std::size_t>(k / body.per_particle()), k % body.per_particle());
     product = s == 0 ? step : Eigen::MatrixXd(step * product);
   }
   return Eigen::EigenSolver<Eigen::MatrixXd>(product, false).eigenvalues().cwiseAbs().maxCoeff();
@@ -220,9 +223,9 @@ StepSymbol<D>::StepSymbol(const Method& method, int per_cell, double courant, do
     }
     double at_border = 0;
     for (int k = 0; k < size_; ++k) {
-      const Eigen::VectorXd response =
-          patch.response(static_cast<std::size_t>(middle[static_cast<std::size_t>(k / per_particle_)]),
-                         k % per_particle_);
+      const Eigen::VectorXd response = patch.response(
+          static_cast<std::size_t>(middle[static_cast<std::size_t>(k / per_particle_)]),
+          k % per_particle_);
       for (int p = 0; p < count; ++p) {
         Vector<D> period;
         const int number = place(p, period);
@@ -287,8 +290,10 @@ StepWave step_wave(const Method& method, int per_cell, double courant, double kh
 
 double spectral_radius(const Method& method, int dimension, int per_cell, double courant,
                        int steps_per_cell, bool free, int body_cells) {
-  recon::detail::require(dimension == 1 || dimension == 2, "dimension", dimension, "must be 1 or 2");
-  recon::detail::require(steps_per_cell >= 0, "steps per cell", steps_per_cell, "must not be negative");
+  recon::detail::require(dimension == 1 || dimension == 2, "dimension", dimension,
+                         "must be 1 or 2");
+  recon::detail::require(steps_per_cell >= 0, "steps per cell", steps_per_cell,
+                         "must not be negative");
   recon::detail::require(body_cells > 0, "cells of the body", body_cells, "must be positive");
   if (free)
     return dimension == 1

@@ -35,7 +35,8 @@ class StepSymbol {
   // cells, have moved along x, in cells; `speed` that along x over c_p. Throws InvalidArgument for a
   // method that cannot run in D dimensions or carries a disturbance farther than 40 cells in a
   // step, and unless per_cell and courant are positive.
-  StepSymbol(const Method& method, int per_cell, double courant, double offset = 0, double speed = 0);
+  StepSymbol(const Method& method, int per_cell, double courant, double offset = 0,
+             double speed = 0);
 
   // How many cells along each axis are alike only together: 2 for elements of 2 x 2 cells, else 1.
   int period() const { return period_; }

@@ -173,8 +173,7 @@ Measured probes(const Request& request) {
           measured.note = stop.what();
         }
         const bool finished = measured.note.empty();
-        measured.add("part of the time",
-                     finished ? 1 : simulation.time() / file.problem.time.end);
+        measured.add("part of the time", finished ? 1 : simulation.time() / file.problem.time.end);
         for (std::size_t k = 0; k < gauges.size(); ++k)
           measured.add(request.study.probes[k].name, gauges[k].result(finished));
       },

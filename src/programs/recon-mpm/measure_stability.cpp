@@ -112,10 +112,10 @@ Measured dispersion(const Request& request) {
   const double linearised = 2 * std::asin(courant * std::sin(half)) / (courant * theta);
   Measured measured;
   if (request.method == "grid only") {
-    const double printed = 2 *
-                           std::asin(courant / per_cell * std::pow(std::sin(half), 2) /
-                                     std::sin(half / per_cell)) /
-                           (courant * theta);
+    const double printed =
+        2 *
+        std::asin(courant / per_cell * std::pow(std::sin(half), 2) / std::sin(half / per_cell)) /
+        (courant * theta);
     const double frequency = grid_only_frequency(2 * cells, per_cell, courant, mode);
     measured.add("frequency, measured", frequency / (courant * theta));
     measured.add("frequency by (7.29)", printed);
@@ -145,10 +145,10 @@ Measured motion(const Request& request) {
   const mpm::Method method = mpm::composed(request.method);
   const int dimension = dimension_of(request);
   Measured measured;
-  measured.add("growth without end",
-               mpm::spectral_radius(method, dimension, 2, 0.4, request.grid));
-  measured.add("growth of a free body", mpm::spectral_radius(method, dimension, 2, 0.4, request.grid,
-                                                             true, dimension == 1 ? 10 : 4));
+  measured.add("growth without end", mpm::spectral_radius(method, dimension, 2, 0.4, request.grid));
+  measured.add(
+      "growth of a free body",
+      mpm::spectral_radius(method, dimension, 2, 0.4, request.grid, true, dimension == 1 ? 10 : 4));
   return measured;
 }
 
@@ -157,8 +157,7 @@ Measured steps(const Request& request) {
   const mpm::Method method = mpm::composed(request.method);
   const int dimension = dimension_of(request);
   Measured measured;
-  measured.add("by eigenvalues",
-               mpm::largest_step_by_eigenvalues(method, dimension, request.grid));
+  measured.add("by eigenvalues", mpm::largest_step_by_eigenvalues(method, dimension, request.grid));
   measured.add("measured", mpm::stability_limit(method, request.grid, dimension).measured);
   measured.add("of a free body, by eigenvalues",
                mpm::largest_step_by_eigenvalues(method, dimension, request.grid, true));

@@ -360,7 +360,8 @@ std::string filled_page(const std::string& page, const Report& report) {
     const std::size_t to = page.find(close, from);
     const std::string mark =
         to == std::string::npos ? "" : page.substr(from + open.size(), to - from - open.size());
-    const bool ours = mark == "claims" || mark.starts_with("claims: ") || mark.starts_with("study: ");
+    const bool ours =
+        mark == "claims" || mark.starts_with("claims: ") || mark.starts_with("study: ");
     const std::size_t stop = ours ? page.find(end, to) : std::string::npos;
     if (stop == std::string::npos) {
       text += page.substr(at, from + open.size() - at);
@@ -377,7 +378,9 @@ std::string verification_page(const Report& report) {
   std::string text =
       "# Verification\n\nWritten by `recon-mpm verify" + std::string(report.full ? " --full" : "") +
       "` from the list of claims in [claims](claims), which has every figure, table and section of "
-      "the three publications (`recon-mpm verify --list`).\n\n" +
+      "the three publications (`recon-mpm verify --list`), what eigenvalues of a step say "
+      "([dispersion.md](dispersion.md)), and benchmarks of other codes "
+      "([benchmarks.md](benchmarks.md)).\n\n" +
       overview(report) + "A verdict is that of the rules below on the grids of the source" +
       (report.full ? "" : ", as far as the quick verification has them") +
       ". Claims about orders are made at T, a whole period, at which errors of first order may "
