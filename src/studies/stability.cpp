@@ -127,42 +127,44 @@ StabilityLimit stability_limit(const Method& method, int per_cell, int dimension
 
 std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, double courant) {
   std::vector<DispersionPoint> curve;
-  const double dt = courant / cells;
+  const double dt = courant / cells, none = std::numeric_limits<double>::quiet_NaN();
   for (int mode = 1; mode < cells; mode += 2) {
-    const double k = mode * std::numbers::pi;
+    const double k = mode * std::numbers::pi, kh = k / cells;
     Problem<1> problem = bar<1>(method, per_cell);
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
       problem.particles.v[p][0] = 1e-6 * std::sin(k * problem.particles.x[p][0]);
     Simulation<1> simulation(std::move(problem));
-    // The displacement of the mode returns to zero after half a period; its velocity is then the
-    // greatest again, backwards.
-    struct Amplitude {
-      double displacement = 0, velocity = 0;
-    };
+    // Velocities may have a part that no node sees, which stays; displacements have none.
     const auto amplitude = [&] {
       const Particles<1>& at = simulation.particles();
-      Amplitude sum;
-      for (std::size_t p = 0; p < at.size(); ++p) {
-        sum.displacement += (at.x[p][0] - at.X[p][0]) * std::sin(k * at.X[p][0]);
-        sum.velocity += at.v[p][0] * std::sin(k * at.X[p][0]);
-      }
+      double sum = 0;
+      for (std::size_t p = 0; p < at.size(); ++p)
+        sum += (at.x[p][0] - at.X[p][0]) * std::sin(k * at.X[p][0]);
       return sum;
     };
-    const double start = amplitude().velocity;
-    double before = 0, greatest = 0;
-    for (double now = 0;; before = now) {
+    // Zeros after the start, and the extreme before each of them, which is that of a parabola.
+    std::vector<double> zeros, extremes{0};
+    double before = 0, now = 0;
+    while (zeros.size() < 3 && simulation.steps() < 200 * cells) {
       simulation.step(dt);
-      const Amplitude at = amplitude();
-      now = at.displacement;
-      greatest = std::max(greatest, -at.velocity);
-      if (now > 0 && simulation.steps() < 100 * cells) continue;
-      const double half_period = simulation.time() - dt * now / (now - before);
-      const double kh = k / cells, left = greatest / start;
-      curve.push_back({kh, std::numbers::pi / half_period / k,
-                       2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh),
-                       1 - left * left});
-      break;
+      const double next = amplitude();
+      if (std::abs(now) > std::abs(before) && std::abs(now) >= std::abs(next)) {
+        const double bend = before - 2 * now + next, slope = (next - before) / 2;
+        extremes.back() = now - slope * slope / (2 * bend);
+      }
+      if (now != 0 && (next < 0) != (now < 0)) {
+        zeros.push_back(simulation.time() - dt * next / (next - now));
+        extremes.push_back(0);
+      }
+      before = now;
+      now = next;
     }
+    const double analytic = 2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh);
+    if (zeros.size() < 3)
+      curve.push_back({kh, none, analytic, none});
+    else  // from the second half period on, when what the start has besides the wave is gone
+      curve.push_back({kh, 2 * std::numbers::pi / (zeros[2] - zeros[0]) / k, analytic,
+                       1 - std::pow(extremes[2] / extremes[1], 2)});
   }
   return curve;
 }

@@ -37,14 +37,16 @@ TEST(StepWaves, KnowTheShortestWave) {
   }
 }
 
+// The bar of the runs has ends, where fits are one-sided: with mass-weighted maps they agree to 3 parts in
+// 1,000.
 TEST(StepWaves, HaveTheFrequencyAndDampingOfRuns) {
   for (const char* name : {"mpm", "cpdi1", "cpls", "impm", "bspline2", "apic"}) {
     const Method& method = method_named(name);
     const auto curve = dispersion(method, 2, 0.4);
     for (const std::size_t k : {0u, 4u, 7u}) {  // k h up to 0.47 pi
       const StepWave wave = step_wave(method, 2, 0.4, curve[k].kh);
-      EXPECT_NEAR(wave.frequency, curve[k].measured, 0.01 * wave.frequency) << name << k;
-      EXPECT_NEAR(wave.damping, curve[k].damping, 0.06) << name << k;
+      EXPECT_NEAR(wave.frequency, curve[k].measured, 0.012 * wave.frequency) << name << k;
+      EXPECT_NEAR(wave.damping, curve[k].damping, 0.02) << name << k;
     }
   }
 }
@@ -110,12 +112,14 @@ TEST(StepWaves, GrowAsInAFlyingBar) {
 }
 
 TEST(StepWaves, KnowTheLargestStep) {
-  for (const char* name : {"cpdi1", "impm"}) {
+  for (const char* name : {"impm"}) {
     const Method& method = method_named(name);
-    EXPECT_NEAR(largest_step_by_eigenvalues(method, 2, 2), stability_limit(method, 2, 2).measured,
-                0.05)
+    EXPECT_NEAR(largest_step_by_eigenvalues(method, 1, 2), stability_limit(method, 2).measured,
+                0.02)
         << name;
   }
+  // W = 1/4 with 2 particles along each axis: the shortest wave along x is that of 1-D.
+  EXPECT_NEAR(largest_step_by_eigenvalues(method_named("mpm"), 2, 2), 1 / std::sqrt(1.75), 0.006);
 }
 
 TEST(StepWaves, RefuseWhatTheyCannotDo) {
