@@ -142,29 +142,32 @@ std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, doub
         sum += (at.x[p][0] - at.X[p][0]) * std::sin(k * at.X[p][0]);
       return sum;
     };
-    // Zeros after the start, and the extreme before each of them, which is that of a parabola.
-    std::vector<double> zeros, extremes{0};
+    // Extremes, which are those of parabolas. What other parts of the start have moved particles by
+    // before they died out stays, so that only differences of extremes tell of the wave.
+    struct Extreme {
+      double time, value;
+    };
+    std::vector<Extreme> extremes;
     double before = 0, now = 0;
-    while (zeros.size() < 3 && simulation.steps() < 200 * cells) {
+    while (extremes.size() < 4 && simulation.steps() < 200 * cells) {
+      const double time = simulation.time();
       simulation.step(dt);
       const double next = amplitude();
-      if (std::abs(now) > std::abs(before) && std::abs(now) >= std::abs(next)) {
+      if ((now - before) * (next - now) < 0) {
         const double bend = before - 2 * now + next, slope = (next - before) / 2;
-        extremes.back() = now - slope * slope / (2 * bend);
-      }
-      if (now != 0 && (next < 0) != (now < 0)) {
-        zeros.push_back(simulation.time() - dt * next / (next - now));
-        extremes.push_back(0);
+        extremes.push_back({time - dt * slope / bend, now - slope * slope / (2 * bend)});
       }
       before = now;
       now = next;
     }
-    const double analytic = 2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh);
-    if (zeros.size() < 3)
-      curve.push_back({kh, none, analytic, none});
-    else  // from the second half period on, when what the start has besides the wave is gone
-      curve.push_back({kh, 2 * std::numbers::pi / (zeros[2] - zeros[0]) / k, analytic,
-                       1 - std::pow(extremes[2] / extremes[1], 2)});
+    DispersionPoint point{kh, none, 2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh), none};
+    if (extremes.size() == 4) {  // from the second on, when all else is gone
+      point.measured = 2 * std::numbers::pi / (extremes[3].time - extremes[1].time) / k;
+      const double left = (extremes[3].value - extremes[2].value) /
+                          (extremes[2].value - extremes[1].value);
+      point.damping = 1 - left * left;
+    }
+    curve.push_back(point);
   }
   return curve;
 }

@@ -270,14 +270,16 @@ StepWave step_wave(const Method& method, int per_cell, double courant, double kh
   const Vector<1> theta(kh);
   const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> solver(symbol.at(theta));
   const Eigen::VectorXcd wave = symbol.wave(theta);
-  // The parts of the eigenvectors in the wave, and what of them is velocity like it.
+  // The parts of the eigenvectors in the wave, and what of them is velocity like it after half a
+  // period of a wave without dispersion.
   const Eigen::VectorXcd parts = solver.eigenvectors().fullPivLu().solve(wave);
   double most = -1;
   Complex lambda = 1;
   for (Eigen::Index k = 0; k < parts.size(); ++k) {
     const Complex each = solver.eigenvalues()[k];
     if (std::abs(each - 1.0) < 1e-6) continue;  // unseen by the grid
-    const double part = std::abs(parts[k] * wave.dot(solver.eigenvectors().col(k)));
+    const double part = std::abs(parts[k] * wave.dot(solver.eigenvectors().col(k))) *
+                        std::pow(std::abs(each), std::numbers::pi / (courant * kh));
     if (part > most) {
       most = part;
       lambda = each;

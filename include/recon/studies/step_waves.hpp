@@ -59,8 +59,8 @@ class StepSymbol {
   Eigen::Index per_particle_ = 0;
 };
 
-// A longitudinal wave in a bar, as the step carries it: of all eigenvectors of G the one that takes the
-// largest part in velocities like exp(i k x), and is no rest that stays.
+// A longitudinal wave in a bar, as the step carries it: of all eigenvectors of G the one that has the
+// largest part in velocities that were like exp(i k x) half a period ago, and is no rest that stays.
 struct StepWave {
   double frequency = 0;  // omega / (k c_p): 1 without dispersion
   double damping = 0;    // the part of the amplitude that a period takes away
