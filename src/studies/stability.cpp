@@ -160,11 +160,12 @@ std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, doub
       before = now;
       now = next;
     }
-    DispersionPoint point{kh, none, 2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh), none};
+    DispersionPoint point{kh, none, 2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh),
+                          none};
     if (extremes.size() == 4) {  // from the second on, when all else is gone
       point.measured = 2 * std::numbers::pi / (extremes[3].time - extremes[1].time) / k;
-      const double left = (extremes[3].value - extremes[2].value) /
-                          (extremes[2].value - extremes[1].value);
+      const double left =
+          (extremes[3].value - extremes[2].value) / (extremes[2].value - extremes[1].value);
       point.damping = 1 - left * left;
     }
     curve.push_back(point);

@@ -33,7 +33,8 @@ TEST(StepWaves, KnowTheShortestWave) {
           StepSymbol<1>(method_named("mpm"), n, courant).at(Vector<1>(pi)).eigenvalues();
       for (int k = 0; k < 2; ++k) EXPECT_LT(distance_to_nearest(found, expected[k]), 1e-5) << n;
     }
-    EXPECT_NEAR(largest_step_by_eigenvalues(method_named("mpm"), 1, n), 1 / std::sqrt(2 - W), 0.006);
+    EXPECT_NEAR(largest_step_by_eigenvalues(method_named("mpm"), 1, n), 1 / std::sqrt(2 - W),
+                0.006);
   }
 }
 
@@ -104,8 +105,8 @@ double growth_of_a_run(const Method& method, int steps_per_cell, int cells, int 
 
 TEST(StepWaves, GrowAsInAFlyingBar) {
   const Method &polypic = method_named("polypic"), &apic = method_named("apic");
-  EXPECT_NEAR(growth_of_a_run(polypic, 10, 10, 60), spectral_radius(polypic, 1, 2, 0.4, 10, true, 10),
-              0.01);
+  EXPECT_NEAR(growth_of_a_run(polypic, 10, 10, 60),
+              spectral_radius(polypic, 1, 2, 0.4, 10, true, 10), 0.01);
   EXPECT_GT(spectral_radius(polypic, 1, 2, 0.4, 10), 1.1);
   EXPECT_LT(growth_of_a_run(apic, 10, 10, 60), 1.001);
   EXPECT_LT(spectral_radius(apic, 1, 2, 0.4, 10, true, 10), 1.001);
