@@ -1,9 +1,10 @@
-// fix recon/grid: fields of a running LAMMPS on a grid, and a body force from the grid to the atoms.
+// fix recon/grid: fields of a running LAMMPS on a grid, and a body force from the grid to the
+// atoms.
 //
 //   fix ID group recon/grid N spacing keyword values ...
 //
 //   N                    a frame every so many steps (and at the start of a run)
-//   spacing              of the grid, a length; along periodic axes shrunk so that it fills the period
+//   spacing              of the grid, a length; along periodic axes shrunk to fill the period
 //   radius R             support radius, a length (default: 2 spacings)
 //   degree D             of the fit of the velocity, 0 to 4 (default: 1)
 //   stress c_ID          a compute stress/atom, whose field is written, too
@@ -18,11 +19,11 @@
 //   stress     sum_p S_p W(x - x_p), S_p from LAMMPS       its unit of pressure
 //
 // Drag. Each node in the region has the body force F_x = -G density velocity h^D, and the atoms get
-// f_p = sum_x phi_p(x) F_x, with the transpose of the operator that took velocities to the nodes: as
-// sum_p phi_p(x) = 1, the atoms get what the nodes lose, up to rounding. The forces stay with the atoms
-// until the next frame. The fix's vector of six numbers is the impulse that the nodes have lost (summed over
-// them, by the rule of velocity Verlet that the atoms follow) and the force that they exert now;
-// its array per atom is f_p.
+// f_p = sum_x phi_p(x) F_x, with the transpose of the operator that took velocities to the nodes:
+// as sum_p phi_p(x) = 1, the atoms get what the nodes lose, up to rounding. The forces stay with
+// the atoms until the next frame. The fix's vector of six numbers is the impulse that the nodes
+// have lost (summed over them, by the rule of velocity Verlet that the atoms follow) and the force
+// that they exert now; its array per atom is f_p.
 //
 // The atoms' arrays x, v, mass and stress are viewed where they lie. One process, boxes that are
 // orthogonal, all atoms of the group; errors of recon end the run as LAMMPS' own do.

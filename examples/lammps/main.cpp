@@ -1,12 +1,12 @@
-// LAMMPS as a library, with recon's grid in its scripts: `fix ... recon/grid` is known to the scripts
-// that this program runs, though LAMMPS was built without it.
+// LAMMPS as a library, with recon's grid in its scripts: `fix ... recon/grid` is known to the
+// scripts that this program runs, though LAMMPS was built without it.
 //
 //   example_lammps SCRIPT [NAME=VALUE ...]     variables of the script, as lmp -var has them
 //
-// The script sets up, and has a variable `steps`; where other forces push along x, `pushed` is the momentum that
-// they give. At the end the program says what the coupling took, and compares the change of the
-// atoms' momentum with the impulse that the grid's nodes have lost. Exit status 1 where they
-// differ by more than rounding.
+// The script sets up, and has a variable `steps`; where other forces push along x, `pushed` is the
+// momentum that they give. At the end the program says what the coupling took, and compares the
+// change of the atoms' momentum with the impulse that the grid's nodes have lost. Exit status 1
+// where they differ by more than rounding.
 #include <lammps.h>
 #include <library.h>
 #include <modify.h>

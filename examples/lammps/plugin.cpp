@@ -1,5 +1,5 @@
-// fix recon/grid as a plugin, for a LAMMPS with the package PLUGIN: `plugin load recon_grid.so`. Built where the
-// headers of such a LAMMPS are found (lammpsplugin.h); Debian's has neither.
+// fix recon/grid as a plugin, for a LAMMPS with the package PLUGIN: `plugin load recon_grid.so`.
+// Built where the headers of such a LAMMPS are found (lammpsplugin.h); Debian's has neither.
 #include <lammpsplugin.h>
 #include <version.h>
 

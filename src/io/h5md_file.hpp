@@ -23,9 +23,9 @@ struct H5mdFrame {
   std::vector<ReadArray> arrays;  // the first one is position, of three components
 };
 
-// The bytes of the file. All frames have the same arrays, for as many particles, and all or none a cell;
-// times are written where all have one. Throws FileError,
-// which names `path`, where recon was built without HDF5 or the library fails.
+// The bytes of the file. All frames have the same arrays, for as many particles, and all or none a
+// cell; times are written where all have one. Throws FileError, which names `path`, where recon was
+// built without HDF5 or the library fails.
 std::string h5md_image(const std::filesystem::path& path, const std::vector<H5mdFrame>& frames);
 
 }  // namespace recon::detail

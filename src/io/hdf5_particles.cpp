@@ -1,11 +1,11 @@
 // Particles in HDF5 files.
 //
 // H5MD (nongnu.org/h5md, version 1.1). /particles/<group>/<element> is a data set of values that do
-// not change, [N] or [N][D], or a group of value [frame][N] or [frame][N][D], step and time. step and
-// time are one number for each frame, or the distance from frame to frame with the attribute `offset`.
-// The box is a group with attributes dimension and boundary, and edges as lengths or vectors, which
-// may change with the frames. Its corner is the origin, unless there is an element `offset` (which is
-// of earlier versions, and which recon writes).
+// not change, [N] or [N][D], or a group of value [frame][N] or [frame][N][D], step and time. step
+// and time are one number for each frame, or the distance from frame to frame with the attribute
+// `offset`. The box is a group with attributes dimension and boundary, and edges as lengths or
+// vectors, which may change with the frames. Its corner is the origin, unless there is an element
+// `offset` (which is of earlier versions, and which recon writes).
 //
 // openPMD (version 1). /data/<iteration>/particles/<species>/<record> is a data set, or a group of
 // them for x, y, z; what is the same for all particles may be attributes value and shape. Each has
@@ -324,7 +324,7 @@ class Hdf5Frames : public FrameSource {
   FrameInfo info_;
 };
 
-// --- H5MD ------------------------------------------------------------------------------------------
+// --- H5MD ----------------------------------------------------------------------------------------
 
 class H5mdFrames : public Hdf5Frames {
  public:
@@ -565,7 +565,7 @@ class H5mdFrames : public Hdf5Frames {
   std::vector<std::string> remarks_;
 };
 
-// --- openPMD ---------------------------------------------------------------------------------------
+// --- openPMD -------------------------------------------------------------------------------------
 
 class OpenPmdFrames : public Hdf5Frames {
  public:
@@ -738,7 +738,7 @@ std::unique_ptr<FrameSource> open_hdf5_particles(const fs::path& path, std::stri
   return std::make_unique<OpenPmdFrames>(path, std::move(image), options);
 }
 
-// --- writing H5MD ----------------------------------------------------------------------------------
+// --- writing H5MD --------------------------------------------------------------------------------
 
 namespace {
 

@@ -30,9 +30,9 @@ std::string column_name(const std::string& array, int component, int components,
 // Appends the columns of an array.
 void add_columns(const ReadArray& array, std::vector<ReadColumn>& columns);
 
-// The arrays that columns make up by the same rules, in the order of their first columns: vx, vy, vz
-// become velocity, s_xx, s_xy, ..., s_zz become s, what is left stays single. `names` are the columns
-// of the table that count, and have numbers only (or none: NaN).
+// The arrays that columns make up by the same rules, in the order of their first columns: vx, vy,
+// vz become velocity, s_xx, s_xy, ..., s_zz become s, what is left stays single. `names` are the
+// columns of the table that count, and have numbers only (or none: NaN).
 std::vector<ReadArray> arrays_of(const ParticleTable& table, const std::vector<std::string>& names);
 
 }  // namespace recon::detail

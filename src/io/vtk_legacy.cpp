@@ -59,7 +59,7 @@ class LegacyReader {
     throw FileError(*path_, binary_ ? 0 : static_cast<std::size_t>(lines) + 1, what);
   }
 
-  // --- lines and words -----------------------------------------------------------------------------
+  // --- lines and words ---------------------------------------------------------------------------
   bool next_line(std::string_view& line) {
     if (at_ >= bytes_.size()) return false;
     line_begin_ = at_;
@@ -104,7 +104,7 @@ class LegacyReader {
     return *found;
   }
 
-  // --- numbers -------------------------------------------------------------------------------------
+  // --- numbers -----------------------------------------------------------------------------------
   std::vector<double> numbers(const std::string& name, std::uint64_t wanted, NumberFormat format) {
     std::vector<double> values;
     const std::uint64_t left = bytes_.size() - at_;
@@ -145,7 +145,7 @@ class LegacyReader {
     return values;
   }
 
-  // --- sections ------------------------------------------------------------------------------------
+  // --- sections ----------------------------------------------------------------------------------
   void read_header() {
     std::string_view line;
     next_line(line);

@@ -1,10 +1,10 @@
-// VTK XML files (VTK File Formats, "XML File Formats"): PolyData, UnstructuredGrid, StructuredGrid and
-// ImageData in one or more pieces; arrays as text, in base64, or appended, raw or in base64, plain or
-// compressed by zlib.
+// VTK XML files (VTK File Formats, "XML File Formats"): PolyData, UnstructuredGrid, StructuredGrid
+// and ImageData in one or more pieces; arrays as text, in base64, or appended, raw or in base64,
+// plain or compressed by zlib.
 //
-// A plain array is its length in bytes and then the numbers; a compressed one is the number of blocks, their
-// size before compression, that of the last one if it is smaller (else 0), the compressed sizes, and then the
-// blocks. These numbers are of the type header_type.
+// A plain array is its length in bytes and then the numbers; a compressed one is the number of
+// blocks, their size before compression, that of the last one if it is smaller (else 0), the
+// compressed sizes, and then the blocks. These numbers are of the type header_type.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -63,7 +63,7 @@ class XmlReader {
     throw FileError(*path_, static_cast<std::size_t>(lines) + 1, what);
   }
 
-  // --- tags ----------------------------------------------------------------------------------------
+  // --- tags --------------------------------------------------------------------------------------
   std::string unescaped(std::string_view text, std::size_t at) const {
     constexpr std::array<std::pair<std::string_view, char>, 5> known{
         {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}}};
@@ -218,7 +218,7 @@ class XmlReader {
     if (parent == "Points") pieces_.back().points.push_back(array);
   }
 
-  // --- numbers -------------------------------------------------------------------------------------
+  // --- numbers -----------------------------------------------------------------------------------
   std::uint64_t whole_number(const Element& tag, std::string_view key,
                              std::uint64_t otherwise) const {
     const std::string text = tag[key];
@@ -330,7 +330,7 @@ class XmlReader {
     return values;
   }
 
-  // --- what is read ----------------------------------------------------------------------------------
+  // --- what is read ------------------------------------------------------------------------------
   std::uint64_t components_of(const Array& array) const {
     const std::uint64_t components = whole_number(array.tag, "NumberOfComponents", 1);
     constexpr std::uint64_t most = 10000;

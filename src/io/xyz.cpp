@@ -4,8 +4,8 @@
 //   Lattice="ax ay az bx by bz cx cy cz" Properties=species:S:1:pos:R:3 pbc="T T F" Time=0.5
 //
 // Values with blanks stand in double or single quotes or braces. Keys are told apart whatever their
-// case. Properties is a list of name:type:columns with the types S (text), R (real), I (whole) and L
-// (T or F, which become 1 and 0).
+// case. Properties is a list of name:type:columns with the types S (text), R (real), I (whole) and
+// L (T or F, which become 1 and 0).
 #include <algorithm>
 #include <array>
 #include <cctype>

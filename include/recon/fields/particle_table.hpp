@@ -138,8 +138,8 @@ class ParticleTable {
   // The cell, where one was set and not all its edges are along the axes.
   const std::optional<SimulationCell>& cell() const { return cell_; }
 
-  // The cell or box as three edges in x, y, z, whatever they are, and which of them the source says to
-  // be periodic; nothing without a box.
+  // The cell or box as three edges in x, y, z, whatever they are, and which of them the source says
+  // to be periodic; nothing without a box.
   std::optional<SimulationCell> source_cell() const;
   std::array<bool, max_dimension> periodic_edges() const { return periodic_edges_; }
 

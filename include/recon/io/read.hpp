@@ -33,10 +33,10 @@
 //                       positionOffset). Needs a recon that was built with HDF5.
 //
 // The two binary formats have arrays with several components. They become columns by these rules:
-// position gives x, y, z; velocity gives vx, vy, vz and force fx, fy, fz; two or three components of
-// any other array end in _x, _y, _z, the nine of a tensor in _xx, _xy, ..., others in _0, _1, ... (or
-// in the names that VTK knows them by). They are read as a whole: a VTK file, or a frame of HDF5,
-// takes memory for its bytes and for its numbers.
+// position gives x, y, z; velocity gives vx, vy, vz and force fx, fy, fz; two or three components
+// of any other array end in _x, _y, _z, the nine of a tensor in _xx, _xy, ..., others in _0, _1,
+// ... (or in the names that VTK knows them by). They are read as a whole: a VTK file, or a frame of
+// HDF5, takes memory for its bytes and for its numbers.
 //
 // Rows keep the order of the file. Columns are checked when they are used (ParticleTable): text,
 // empty cells, numbers too large for double and names that several columns have are no error until

@@ -6,13 +6,13 @@
 //   .dump, .lammpstrj    LAMMPS text dump; frames
 //   .h5, .h5md           H5MD (needs a recon that was built with HDF5); frames
 //
-// Columns go by name. Coordinates are those of the table (all of them, also a constant one); columns
-// such as vx, vy, vz and s_xx, ..., s_zz become one array (velocity, s) where a format has arrays, and
-// id, type, mol, ix, iy, iz stay whole numbers. What a reader gives, a writer of the same format
-// writes so that it reads back to the same numbers: doubles to the last bit, boxes, periods, step and
-// time as far as the format has a place for them. CSV has none for box, step and time, VTP none for
-// the box, H5MD none for texts. Texts are kept in CSV, XYZ and dumps, with blanks as '_' in the latter
-// two, and so are names. notes() says what was left out or renamed.
+// Columns go by name. Coordinates are those of the table (all of them, also a constant one);
+// columns such as vx, vy, vz and s_xx, ..., s_zz become one array (velocity, s) where a format has
+// arrays, and id, type, mol, ix, iy, iz stay whole numbers. What a reader gives, a writer of the
+// same format writes so that it reads back to the same numbers: doubles to the last bit, boxes,
+// periods, step and time as far as the format has a place for them. CSV has none for box, step and
+// time, VTP none for the box, H5MD none for texts. Texts are kept in CSV, XYZ and dumps, with
+// blanks as '_' in the latter two, and so are names. notes() says what was left out or renamed.
 //
 // ```cpp
 //   recon::ParticleWriter out("chute.xyz");
@@ -24,9 +24,9 @@
 // Nothing stands in the file's place before commit(), and then all of it. XYZ and dumps are written
 // as frames come; of H5MD all frames are kept in memory, twice at the end.
 //
-// Wrong input throws InvalidArgument: a table without coordinates, a second frame where a format has
-// one, and in H5MD a frame with other particles or columns than the first. Trouble with the file
-// throws FileError.
+// Wrong input throws InvalidArgument: a table without coordinates, a second frame where a format
+// has one, and in H5MD a frame with other particles or columns than the first. Trouble with the
+// file throws FileError.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,6 @@
-// The names of fmt that LAMMPS' headers mention. Debian installs these headers without LAMMPS' copy of fmt; the
-// functions that take such arguments are not called here, so that declarations are enough.
+// The names of fmt that LAMMPS' headers mention. Debian installs these headers without LAMMPS' copy
+// of fmt; the functions that take such arguments are not called here, so that declarations are
+// enough.
 #pragma once
 
 #include <string>
