@@ -1,15 +1,15 @@
-// VTK XML files with appended raw data (kitware.github.io/vtk-examples, "VTK XML file formats"):
+// VTK XML files with inline binary data (kitware.github.io/vtk-examples, "VTK XML file formats"):
 //
-//   <VTKFile ...> ... <DataArray ... format="appended" offset="0"/> ... <AppendedData>_[blocks]
+//   <DataArray ... format="binary">[base64 of the length in bytes as UInt64, and of the numbers]
 //
-// A block is its length in bytes as UInt64 and then the numbers; offsets count from the
-// byte after '_'.
+// Not appended, raw or in base64: since the security update of 2024 to expat (CVE-2023-52425), VTK up to
+// 9.3 and ParaView up to 5.12 fail on such files where they use the system's expat, as Debian's
+// do, also on files of their own.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <functional>
 
 #include "escaped.hpp"
 #include "number_text.hpp"
@@ -43,49 +43,82 @@ std::size_t type_size(NumberType type) {
   return type == NumberType::float64 ? 8 : 4;
 }
 
-// Collects the arrays of a file: first their descriptions, then, in the same order, their blocks.
+// Bytes as base64, in pieces.
+class Base64 {
+ public:
+  explicit Base64(AtomicFile& file) : file_(&file) {}
+
+  void add(const std::string& bytes) {
+    for (const char c : bytes) {
+      bits_ = bits_ << 8 | static_cast<unsigned char>(c);
+      if (++held_ == 3) put(4);
+    }
+    if (text_.size() >= (1 << 16)) flush();
+  }
+  void finish() {
+    const int letters = held_ + 1;
+    if (held_ > 0) {
+      bits_ <<= 8 * (3 - held_);
+      put(letters);
+      text_.append(static_cast<std::size_t>(4 - letters), '=');
+    }
+    flush();
+  }
+
+ private:
+  void put(int letters) {
+    constexpr char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (int i = 0; i < letters; ++i) text_ += alphabet[bits_ >> (18 - 6 * i) & 63];
+    bits_ = 0;
+    held_ = 0;
+  }
+  void flush() {
+    file_->write(text_);
+    text_.clear();
+  }
+
+  AtomicFile* file_;
+  std::string text_;
+  std::uint32_t bits_ = 0;
+  int held_ = 0;
+};
+
 class VtkFile {
  public:
   VtkFile(const std::filesystem::path& path, const std::string& kind) : file_(path), kind_(kind) {
-    xml_ = "<?xml version=\"1.0\"?>\n<VTKFile type=\"" + kind +
-           "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+    xml("<?xml version=\"1.0\"?>\n<VTKFile type=\"" + kind +
+        "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n");
   }
 
-  void xml(const std::string& text) { xml_ += text; }
+  void xml(const std::string& text) { file_.write(text); }
 
-  // Describes an array of `count` numbers, which put(append) will write: append(bytes, i) for each.
+  // An array of `count` numbers of `size` bytes, which append(bytes, i) appends to the bytes.
   template <class Append>
   void array(const std::string& attributes, const char* type, std::size_t count, std::size_t size,
              Append append) {
-    xml_ += "<DataArray type=\"" + std::string(type) + "\" " + attributes +
-            " format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
-    offset_ += sizeof(std::uint64_t) + count * size;
-    blocks_.push_back([count, size, append](AtomicFile& file) {
-      std::string bytes;
-      append_little_endian(bytes, static_cast<std::uint64_t>(count * size));
-      for (std::size_t i = 0; i < count; ++i) {
-        append(bytes, i);
-        if (bytes.size() < (1 << 16)) continue;
-        file.write(bytes);
-        bytes.clear();
-      }
-      file.write(bytes);
-    });
+    xml("<DataArray type=\"" + std::string(type) + "\" " + attributes + " format=\"binary\">\n");
+    Base64 out(file_);
+    std::string bytes;
+    append_little_endian(bytes, static_cast<std::uint64_t>(count * size));
+    for (std::size_t i = 0; i < count; ++i) {
+      append(bytes, i);
+      if (bytes.size() < (1 << 12)) continue;
+      out.add(bytes);
+      bytes.clear();
+    }
+    out.add(bytes);
+    out.finish();
+    xml("\n</DataArray>\n");
   }
 
   void commit() {
-    xml_ += "</" + kind_ + ">\n<AppendedData encoding=\"raw\">\n_";
-    file_.write(xml_);
-    for (const auto& block : blocks_) block(file_);
-    file_.write("\n</AppendedData>\n</VTKFile>\n");
+    xml("</" + kind_ + ">\n</VTKFile>\n");
     file_.commit();
   }
 
  private:
   AtomicFile file_;
-  std::string kind_, xml_;
-  std::uint64_t offset_ = 0;
-  std::vector<std::function<void(AtomicFile&)>> blocks_;
+  std::string kind_;
 };
 
 void describe_time(VtkFile& file, const FieldSet& fields) {
