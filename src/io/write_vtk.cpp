@@ -6,10 +6,12 @@
 // 9.3 and ParaView up to 5.12 fail on such files where they use the system's expat, as Debian's
 // do, also on files of their own.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 
 #include "escaped.hpp"
 #include "number_text.hpp"
@@ -43,44 +45,48 @@ std::size_t type_size(NumberType type) {
   return type == NumberType::float64 ? 8 : 4;
 }
 
+constexpr std::string_view base64_letters =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+// The two letters of each twelve bits.
+constexpr auto base64_pairs = [] {
+  std::array<std::array<char, 2>, 4096> pairs{};
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    pairs[i] = {base64_letters[i >> 6], base64_letters[i & 63]};
+  return pairs;
+}();
+
 // Bytes as base64, in pieces.
 class Base64 {
  public:
   explicit Base64(AtomicFile& file) : file_(&file) {}
 
-  void add(const std::string& bytes) {
-    for (const char c : bytes) {
-      bits_ = bits_ << 8 | static_cast<unsigned char>(c);
-      if (++held_ == 3) put(4);
+  // All but the last one or two bytes, which wait for more.
+  void add(std::string& bytes) {
+    const std::size_t triples = bytes.size() / 3;
+    text_.resize(4 * triples);
+    for (std::size_t t = 0; t < triples; ++t) {
+      const auto* const from = reinterpret_cast<const unsigned char*>(bytes.data()) + 3 * t;
+      const unsigned first = from[0] << 4 | from[1] >> 4, second = (from[1] & 15u) << 8 | from[2];
+      std::memcpy(text_.data() + 4 * t, base64_pairs[first].data(), 2);
+      std::memcpy(text_.data() + 4 * t + 2, base64_pairs[second].data(), 2);
     }
-    if (text_.size() >= (1 << 16)) flush();
+    file_->write(text_);
+    bytes.erase(0, 3 * triples);
   }
-  void finish() {
-    const int letters = held_ + 1;
-    if (held_ > 0) {
-      bits_ <<= 8 * (3 - held_);
-      put(letters);
-      text_.append(static_cast<std::size_t>(4 - letters), '=');
-    }
-    flush();
+  void finish(std::string& bytes) {
+    add(bytes);
+    if (bytes.empty()) return;
+    const auto first = static_cast<unsigned char>(bytes[0]);
+    const auto second = bytes.size() > 1 ? static_cast<unsigned char>(bytes[1]) : 0u;
+    text_ = {base64_letters[first >> 2], base64_letters[(first & 3u) << 4 | second >> 4],
+             bytes.size() > 1 ? base64_letters[(second & 15u) << 2] : '=', '='};
+    file_->write(text_);
   }
 
  private:
-  void put(int letters) {
-    constexpr char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (int i = 0; i < letters; ++i) text_ += alphabet[bits_ >> (18 - 6 * i) & 63];
-    bits_ = 0;
-    held_ = 0;
-  }
-  void flush() {
-    file_->write(text_);
-    text_.clear();
-  }
-
   AtomicFile* file_;
   std::string text_;
-  std::uint32_t bits_ = 0;
-  int held_ = 0;
 };
 
 class VtkFile {
@@ -102,12 +108,9 @@ class VtkFile {
     append_little_endian(bytes, static_cast<std::uint64_t>(count * size));
     for (std::size_t i = 0; i < count; ++i) {
       append(bytes, i);
-      if (bytes.size() < (1 << 12)) continue;
-      out.add(bytes);
-      bytes.clear();
+      if (bytes.size() >= (1 << 14)) out.add(bytes);
     }
-    out.add(bytes);
-    out.finish();
+    out.finish(bytes);
     xml("\n</DataArray>\n");
   }
 
