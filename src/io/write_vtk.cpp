@@ -2,9 +2,9 @@
 //
 //   <DataArray ... format="binary">[base64 of the length in bytes as UInt64, and of the numbers]
 //
-// Not appended, raw or in base64: since the security update of 2024 to expat (CVE-2023-52425), VTK up to
-// 9.3 and ParaView up to 5.12 fail on such files where they use the system's expat, as Debian's
-// do, also on files of their own.
+// Not appended, raw or in base64: since the security update of 2024 to expat (CVE-2023-52425),
+// ParaView 5.11 of Debian 12 fails on such files, also on those that it has written itself, as
+// other VTK of that time does that parses with the system's expat.
 #include <algorithm>
 #include <array>
 #include <bit>
