@@ -93,7 +93,7 @@ need_peers() {
 }
 
 need_ci() {
-  need_package clang libomp-dev libclang-rt-14-dev clang-format-14  # Debian 12's clang is 14
+  need_package clang libomp-dev libclang-rt-14-dev clang-format-14 clang-tidy-14  # Debian 12's clang is 14
   need_command git git
   need_command doxygen doxygen  # the site
 }

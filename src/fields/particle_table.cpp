@@ -438,7 +438,7 @@ std::string ParticleTable::why_not_periodic(int axis, int dimension) const {
 
 // Axes of the source's box that the coordinates lie along.
 std::vector<int> ParticleTable::box_axes(int dimension) const {
-  const std::vector<int> axes = this->axes(dimension);
+  std::vector<int> axes = this->axes(dimension);
   for (const int axis : axes)
     require(axis < box_->dimension, "axis of the simulation box", axis,
             "must be one that the box has");
