@@ -129,6 +129,8 @@ struct FrameReader::State {
     std::string start(enough, '\0');
     start.resize(bytes.read(start.data(), start.size()));
     const Content content = content_of(start);
+    require(options.group.empty() || content == Content::hdf5, "group", options.group,
+            "is for HDF5 files only");
     if (content == Content::text) {
       open_text(from...);
       return;

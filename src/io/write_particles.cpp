@@ -183,7 +183,7 @@ class XyzParticles : public ParticleWriter::Format {
     const std::vector<double> positions = positions_of(table);
     std::vector<std::string> names = others(table, true);
     const std::string species = species_of(names);
-    std::erase(names, species);
+    if (species != "type") std::erase(names, species);  // types stay numbers, too
     const std::vector<std::string> texts = table.text_columns();
     std::vector<std::string> words, numbers;
     for (const std::string& name : names)
@@ -279,6 +279,13 @@ class DumpParticles : public ParticleWriter::Format {
     note_repeated(table);
     const std::vector<std::string> axes = table.all_coordinates();
     for (const std::string& axis : axes) table.column(axis);  // throws for what is no coordinate
+    const auto in_dump = [&](const std::string& name) {
+      const auto at = std::find(axes.begin(), axes.end(), name);
+      const bool known = name.size() <= 2 && axis_of_coordinate(name).has_value();
+      if (at == axes.end() || known) return as_word(name);
+      const int place = static_cast<int>(at - axes.begin());
+      return std::string(1, "xyz"[axis_of_coordinate(name).value_or(place)]);
+    };
     std::string text;
     if (frames == 0 && !table.units.empty()) text += "ITEM: UNITS\n" + as_word(table.units) + "\n";
     if (table.time) {
@@ -293,7 +300,7 @@ class DumpParticles : public ParticleWriter::Format {
     std::vector<const std::vector<double>*> values;
     std::vector<const TextCells*> texts;
     for (const std::string& name : names) {
-      const std::string word = as_word(name);
+      const std::string word = in_dump(name);
       if (word != name) note("renamed: " + name + " to " + word);
       text += ' ' + word;
       values.push_back(&table.raw_column(name));

@@ -104,6 +104,22 @@ TEST(WriteParticles, ReadsBackToTheBit) {
     }
 }
 
+TEST(WriteParticles, NamesThatAFormatHasNoPlaceFor) {
+  const test::TemporaryFolder folder;
+  const ParticleTable table = read_particles_of(
+      "id,type,Points:0,Points:1,Points:2,\"v [m/s]\",label\n1,2,0.5,1.5,2.5,3,a b\n", {}, "a.csv");
+  for (const std::string name : {"a.xyz", "a.dump"}) {
+    recon::write_particles(folder / name, table);
+    const ParticleTable back = read_particles(folder / name);
+    EXPECT_EQ(back.column("z")[0], 2.5) << name;
+    EXPECT_EQ(back.column("type")[0], 2) << name;
+    EXPECT_EQ(back.column("v_[m/s]")[0], 3) << name;
+    EXPECT_THAT(back.describe_text("label"), HasSubstr("'a_b'")) << name;
+  }
+  test::expect_invalid([&] { read_particles_of("x\n1\n", {.group = "atoms"}); },
+                       "is for HDF5 files only");
+}
+
 TEST(WriteParticles, SeriesAndRefusals) {
   const test::TemporaryFolder folder;
   for (const std::string name : {"a.xyz", "a.dump"}) {

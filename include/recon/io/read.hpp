@@ -99,7 +99,7 @@ struct ReadOptions {
   // value in a column that is used are left out by ParticleTable::leave_out_missing().
   std::vector<std::string> missing = {};
   // In HDF5: the name of the group of particles (H5MD) or of their species (openPMD). It may be
-  // left out where there is only one.
+  // left out where there is only one, and must be for other formats.
   std::string group = {};
 };
 
