@@ -103,7 +103,7 @@ class PolynomialModes {
   auto coefficient(int r, const Nodes& at, const Values& u, Data data = Data::checked) const {
     using Element = detail::ElementOf<const Values>;
     using Value = decltype(Element::zero());
-    const Value zero = Element::zero();
+    Value zero = Element::zero();
     if (!(norm(r) > 0)) return zero;
     const Value sum = detail::sum_over_nodes(
         at, u, zero, [&](std::size_t k) { return at.S[k] * value(r, k) != 0; },
