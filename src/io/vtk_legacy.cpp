@@ -82,7 +82,7 @@ class LegacyReader {
   std::string peek() {
     const std::size_t at = at_, begin = line_begin_;
     Words words;
-    const std::string word = next_words(words) ? upper(words[0]) : "";
+    std::string word = next_words(words) ? upper(words[0]) : "";
     at_ = at;
     line_begin_ = begin;
     return word;
