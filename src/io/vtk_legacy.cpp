@@ -277,7 +277,7 @@ class LegacyReader {
   }
   std::vector<double> read_values(const std::string& name, std::uint64_t components,
                                   std::uint64_t tuples, const Words& words, std::size_t place) {
-    if (components == 0 || tuples > bytes_.size() || components > bytes_.size())
+    if (components == 0 || components > bytes_.size() || tuples > 8 * bytes_.size() / components)
       fail(name + " needs at least one component, and no more numbers than the file has bytes");
     const std::uint64_t wanted = components * tuples;
     if (place < words.size() && upper(words[place]) == "BIT") return bits(name, wanted);
