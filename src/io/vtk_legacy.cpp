@@ -82,7 +82,7 @@ class LegacyReader {
   std::string peek() {
     const std::size_t at = at_, begin = line_begin_;
     Words words;
-    const std::string word = next_words(words) ? upper(words[0]) : "";
+    std::string word = next_words(words) ? upper(words[0]) : "";
     at_ = at;
     line_begin_ = begin;
     return word;
@@ -277,7 +277,7 @@ class LegacyReader {
   }
   std::vector<double> read_values(const std::string& name, std::uint64_t components,
                                   std::uint64_t tuples, const Words& words, std::size_t place) {
-    if (components == 0 || tuples > bytes_.size() || components > bytes_.size())
+    if (components == 0 || components > bytes_.size() || tuples > 8 * bytes_.size() / components)
       fail(name + " needs at least one component, and no more numbers than the file has bytes");
     const std::uint64_t wanted = components * tuples;
     if (place < words.size() && upper(words[place]) == "BIT") return bits(name, wanted);

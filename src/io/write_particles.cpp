@@ -226,7 +226,7 @@ class XyzParticles : public ParticleWriter::Format {
     append_real(text, value);
   }
   std::string named(const std::string& name) {
-    const std::string word = as_word(name, ":\"'={}");
+    std::string word = as_word(name, ":\"'={}");
     if (word != name) note("renamed: " + name + " to " + word);
     return word;
   }
