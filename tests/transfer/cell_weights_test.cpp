@@ -88,7 +88,7 @@ TYPED_TEST(CellWeightsOf, FitInsideAndSumAtBorders) {
 // fields have their slope.
 TYPED_TEST(CellWeightsOf, GradientsAreThoseOfTheCells) {
   constexpr int D = TypeParam::value;
-  const auto check = [](const auto& functions, int degree, double lower) {
+  const auto check = [&](const auto& functions, int degree, double lower) {
     const Filled<D> cloud(lower, 6.0 / 7);
     const auto& grid = cloud.grid;
     const CellWeights<D> weights = cloud.weights(degree);
