@@ -127,42 +127,48 @@ StabilityLimit stability_limit(const Method& method, int per_cell, int dimension
 
 std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, double courant) {
   std::vector<DispersionPoint> curve;
-  const double dt = courant / cells;
+  const double dt = courant / cells, none = std::numeric_limits<double>::quiet_NaN();
   for (int mode = 1; mode < cells; mode += 2) {
-    const double k = mode * std::numbers::pi;
+    const double k = mode * std::numbers::pi, kh = k / cells;
     Problem<1> problem = bar<1>(method, per_cell);
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
       problem.particles.v[p][0] = 1e-6 * std::sin(k * problem.particles.x[p][0]);
     Simulation<1> simulation(std::move(problem));
-    // The displacement of the mode returns to zero after half a period; its velocity is then the
-    // greatest again, backwards.
-    struct Amplitude {
-      double displacement = 0, velocity = 0;
-    };
+    // Velocities may have a part that no node sees, which stays; displacements have none.
     const auto amplitude = [&] {
       const Particles<1>& at = simulation.particles();
-      Amplitude sum;
-      for (std::size_t p = 0; p < at.size(); ++p) {
-        sum.displacement += (at.x[p][0] - at.X[p][0]) * std::sin(k * at.X[p][0]);
-        sum.velocity += at.v[p][0] * std::sin(k * at.X[p][0]);
-      }
+      double sum = 0;
+      for (std::size_t p = 0; p < at.size(); ++p)
+        sum += (at.x[p][0] - at.X[p][0]) * std::sin(k * at.X[p][0]);
       return sum;
     };
-    const double start = amplitude().velocity;
-    double before = 0, greatest = 0;
-    for (double now = 0;; before = now) {
+    // Extremes, which are those of parabolas. What other parts of the start have moved particles by
+    // before they died out stays, so that only differences of extremes tell of the wave.
+    struct Extreme {
+      double time, value;
+    };
+    std::vector<Extreme> extremes;
+    double before = 0, now = 0;
+    while (extremes.size() < 4 && simulation.steps() < 200 * cells) {
+      const double time = simulation.time();
       simulation.step(dt);
-      const Amplitude at = amplitude();
-      now = at.displacement;
-      greatest = std::max(greatest, -at.velocity);
-      if (now > 0 && simulation.steps() < 100 * cells) continue;
-      const double half_period = simulation.time() - dt * now / (now - before);
-      const double kh = k / cells, left = greatest / start;
-      curve.push_back({kh, std::numbers::pi / half_period / k,
-                       2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh),
-                       1 - left * left});
-      break;
+      const double next = amplitude();
+      if ((now - before) * (next - now) < 0) {
+        const double bend = before - 2 * now + next, slope = (next - before) / 2;
+        extremes.push_back({time - dt * slope / bend, now - slope * slope / (2 * bend)});
+      }
+      before = now;
+      now = next;
     }
+    DispersionPoint point{kh, none, 2 * std::asin(courant * std::sin(kh / 2)) / (courant * kh),
+                          none};
+    if (extremes.size() == 4) {  // from the second on, when all else is gone
+      point.measured = 2 * std::numbers::pi / (extremes[3].time - extremes[1].time) / k;
+      const double left =
+          (extremes[3].value - extremes[2].value) / (extremes[2].value - extremes[1].value);
+      point.damping = 1 - left * left;
+    }
+    curve.push_back(point);
   }
   return curve;
 }

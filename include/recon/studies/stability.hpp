@@ -40,7 +40,9 @@ struct DispersionPoint {
   double analytic = 0;  // the same on a grid that stays
   double damping = 0;   // the part of the amplitude that a period takes away
 };
-// The dispersion and damping of standing waves at c_p dt / h = courant, by the first half period.
+// The dispersion and damping of standing waves at c_p dt / h = courant, by the second to the fourth
+// extreme of their displacement; NaN where a wave does not come to the fourth. What eigenvalues say:
+// step_waves.hpp.
 std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, double courant);
 
 }  // namespace recon::mpm

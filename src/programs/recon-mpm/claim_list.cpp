@@ -39,6 +39,7 @@ class Entry {
   std::optional<double> number(const char* key) { return value<double>(key, false); }
   Words words(const char* key) { return list<std::string>(key); }
   std::vector<int> whole_numbers(const char* key) { return list<int>(key); }
+  std::vector<double> numbers(const char* key) { return list<double>(key); }
   bool holds(const char* key) { return value<bool>(key, false).value_or(false); }
   bool knows(const char* key) const { return table_.contains(key); }
 
@@ -94,6 +95,27 @@ Rule read_rule(const toml::table& table) {
   return rule;
 }
 
+Probe read_probe(const std::string& study, const toml::table& table) {
+  Entry entry("a probe of " + study, table);
+  Probe probe;
+  probe.name = entry.text("name", true);
+  probe.of = entry.text("of", true);
+  probe.component = entry.text("component");
+  probe.at = entry.numbers("at");
+  probe.body = static_cast<int>(entry.number("body").value_or(0));
+  probe.take = entry.text("take", true);
+  probe.from = entry.number("from").value_or(probe.from);
+  probe.until = entry.number("until").value_or(probe.until);
+  probe.level = entry.number("level").value_or(probe.level);
+  const Words quantities{"displacement", "velocity", "stress", "front",
+                         "kinetic",      "strain",   "total",  "angular"};
+  const Words takes{"end",  "least",  "greatest", "time of least", "time of greatest",
+                    "mean", "change", "period",   "time above"};
+  if (!has(quantities, probe.of)) refuse(probe.name, "is of the unknown quantity " + probe.of);
+  if (!has(takes, probe.take)) refuse(probe.name, "takes the unknown number " + probe.take);
+  return probe;
+}
+
 Study read_study(const toml::table& table) {
   Study study;
   Entry entry("a study", table);
@@ -101,6 +123,7 @@ Study read_study(const toml::table& table) {
   study.kind = entry.text("kind", true);
   study.problem = entry.text("problem");
   study.norm = entry.text("norm");
+  study.about = entry.text("about");
   study.settings = entry.words("set");
   study.methods = entry.words("methods");
   study.paper = entry.whole_numbers("paper");
@@ -111,6 +134,9 @@ Study read_study(const toml::table& table) {
     Entry variant("a variant of " + study.name, each);
     study.variants.push_back(
         {variant.text("name", true), variant.words("set"), variant.words("methods")});
+  });
+  entry.each("probes", [&](const toml::table& each) {
+    study.probes.push_back(read_probe(study.name, each));
   });
   if (study.variants.empty()) study.variants.push_back({});
   if (study.methods.empty() || study.paper.empty()) refuse(study.name, "needs methods and grids");

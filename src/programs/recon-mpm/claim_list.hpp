@@ -26,9 +26,25 @@ struct Variant {
   std::vector<std::string> settings, methods;
 };
 
+// A number that a run of the kind "probes" shows: a quantity over time, and what is taken of it.
+struct Probe {
+  std::string name;
+  // "displacement", "velocity" or "stress" with `component` ("x", "xy"); "front", the greatest place
+  // of a particle along it; or an energy of the ledger: "kinetic", "strain", "total", "angular".
+  std::string of, component;
+  std::vector<double> at;  // reference place, by a linear fit around it; none: mean over the body
+  int body = 0;            // counted from 1; 0: all particles
+  // "end", "least", "greatest", "time of least", "time of greatest", "mean", "change" from the first
+  // to the last as a part of the first, "period" between zeros, "time above" the level.
+  std::string take;
+  double from = 0, until = 1e300, level = 0;  // times between which
+};
+
 // Runs that claims are judged by: every method in every variant on every grid.
 struct Study {
   std::string name, kind, problem, norm;
+  std::string about;  // source and set-up, for the page
+  std::vector<Probe> probes;
   std::vector<std::string> settings, methods;
   std::vector<Variant> variants;         // at least one, which may have no name
   std::vector<int> quick, paper, finer;  // grids, cells per unit length; finer than the source's

@@ -66,7 +66,7 @@ void Request::draw(const HeatMap& map, const std::string& title) const {
 
 Measure measure_of(const std::string& kind) {
   for (const auto measures : {convergence_measures(), account_measures(), bending_measures(),
-                              fit_measures(), stability_measures()})
+                              fit_measures(), stability_measures(), probe_measures()})
     for (const NamedMeasure& each : measures)
       if (kind == each.kind) return each.measure;
   recon::detail::throw_invalid("kind of a study", kind, "is unknown");

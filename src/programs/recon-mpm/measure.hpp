@@ -47,6 +47,7 @@ std::span<const NamedMeasure> account_measures();
 std::span<const NamedMeasure> bending_measures();
 std::span<const NamedMeasure> fit_measures();
 std::span<const NamedMeasure> stability_measures();
+std::span<const NamedMeasure> probe_measures();
 
 // How far a run comes: "part of the time", and "stops", which is 1 where it stops because a volume
 // is no longer positive, and so with half the step.

@@ -11,6 +11,7 @@
 #include "recon/runs/compose.hpp"
 #include "recon/runs/simulation.hpp"
 #include "recon/studies/stability.hpp"
+#include "recon/studies/step_waves.hpp"
 
 namespace recon::program {
 namespace {
@@ -81,9 +82,9 @@ int particles_of(const Variant& variant) {
   return static_cast<int>(to_number(variant.name.substr(0, variant.name.find(' '))).value_or(1));
 }
 
+// The largest stable steps, c_p dt / h.
 Measured stability(const Request& request) {
   const int per_cell = particles_of(request.variant), cells = request.grid;
-  constexpr double courant = 0.4;
   Measured measured;
   if (request.method == "grid only") {
     double low = 0, high = 4;
@@ -92,29 +93,76 @@ Measured stability(const Request& request) {
       (grid_only_is_stable(cells, per_cell, middle) ? low : high) = middle;
     }
     measured.add("largest stable step", low);
-    double worst = 1;
-    for (int mode = 1; mode < cells / 2; ++mode) {
-      const double half = pi * mode / cells;
-      const double printed = 2 * std::asin(courant / per_cell * std::pow(std::sin(half), 2) /
-                                           std::sin(half / per_cell));
-      const double ratio = grid_only_frequency(cells, per_cell, courant, mode) / printed;
-      if (std::abs(std::log(ratio)) > std::abs(std::log(worst))) worst = ratio;
-    }
-    measured.add("frequency over (7.29), worst", worst);
     return measured;
   }
   const mpm::Method method = mpm::composed(request.method);
   const mpm::StabilityLimit limit = mpm::stability_limit(method, per_cell);
   measured.add("largest stable step", limit.measured);
   measured.add("1 / sqrt(Q (2 - W))", limit.analytic);
-  double worst = 1, damping = 0;
-  for (const mpm::DispersionPoint& point : mpm::dispersion(method, per_cell, courant)) {
-    const double ratio = point.measured / point.analytic;
-    if (std::abs(std::log(ratio)) > std::abs(std::log(worst))) worst = ratio;
-    damping = std::max(damping, point.damping);
+  return measured;
+}
+
+// Standing waves of k h = pi n / 32 in steps of 0.4 h / c_p; the "grid" is n, which is odd.
+// Frequencies are parts of k c_p, damping is the part of the amplitude that a period takes away.
+Measured dispersion(const Request& request) {
+  constexpr int cells = 32;
+  constexpr double courant = 0.4;
+  const int per_cell = particles_of(request.variant), mode = request.grid;
+  const double theta = pi * mode / cells, half = theta / 2;
+  const double linearised = 2 * std::asin(courant * std::sin(half)) / (courant * theta);
+  Measured measured;
+  if (request.method == "grid only") {
+    const double printed =
+        2 *
+        std::asin(courant / per_cell * std::pow(std::sin(half), 2) / std::sin(half / per_cell)) /
+        (courant * theta);
+    const double frequency = grid_only_frequency(2 * cells, per_cell, courant, mode);
+    measured.add("frequency, measured", frequency / (courant * theta));
+    measured.add("frequency by (7.29)", printed);
+    measured.add("frequency of a grid that stays", linearised);
+    return measured;
   }
-  measured.add("frequency over that of the linearised scheme, worst", worst);
-  measured.add("damping in a period, worst", damping);
+  const mpm::Method method = mpm::composed(request.method);
+  for (const mpm::DispersionPoint& point : mpm::dispersion(method, per_cell, courant)) {
+    if (std::abs(point.kh - theta) > 1e-9) continue;
+    measured.add("frequency, measured", point.measured);
+    measured.add("damping, measured", point.damping);
+  }
+  const mpm::StepWave wave = mpm::step_wave(method, per_cell, courant, theta);
+  measured.add("frequency by eigenvalues", wave.frequency);
+  measured.add("damping by eigenvalues", wave.damping);
+  measured.add("frequency of a grid that stays", linearised);
+  return measured;
+}
+
+int dimension_of(const Request& request) {
+  return request.variant.name.starts_with("2-D") ? 2 : 1;
+}
+
+// What crossing a cell makes of small disturbances, 2 particles per cell and axis, in steps of
+// 0.4 h / c_p. The "grid" is the number of steps in which the body crosses a cell.
+Measured motion(const Request& request) {
+  const mpm::Method method = mpm::composed(request.method);
+  const int dimension = dimension_of(request);
+  Measured measured;
+  measured.add("growth without end", mpm::spectral_radius(method, dimension, 2, 0.4, request.grid));
+  measured.add(
+      "growth of a free body",
+      mpm::spectral_radius(method, dimension, 2, 0.4, request.grid, true, dimension == 1 ? 10 : 4));
+  return measured;
+}
+
+// The largest stable steps of every method; the "grid" is the number of particles per cell and axis.
+Measured steps(const Request& request) {
+  const mpm::Method method = mpm::composed(request.method);
+  const int dimension = dimension_of(request);
+  Measured measured;
+  measured.add("by eigenvalues", mpm::largest_step_by_eigenvalues(method, dimension, request.grid));
+  if (request.grid == 2)  // noise takes its time
+    measured.add("measured", mpm::stability_limit(method, request.grid, dimension).measured);
+  measured.add("of a free body, by eigenvalues",
+               mpm::largest_step_by_eigenvalues(method, dimension, request.grid, true));
+  measured.add("default", method.default_courant(dimension));
   return measured;
 }
 
@@ -138,7 +186,11 @@ Measured step_cost(const Request& request) {
   return measured;
 }
 
-constexpr NamedMeasure all[] = {{"stability", stability}, {"step cost", step_cost}};
+constexpr NamedMeasure all[] = {{"stability", stability},
+                                {"dispersion", dispersion},
+                                {"motion", motion},
+                                {"largest steps", steps},
+                                {"step cost", step_cost}};
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "programs/common/text.hpp"
+#include "recon/core/error.hpp"
 #include "recon/studies/errors.hpp"
 #include "study_results.hpp"
 
@@ -160,6 +161,34 @@ std::string error_table(const Study& study, const StudyResults& results) {
   return text + "\n";
 }
 
+std::string run_name(const RunKey& key) {
+  return (key.variant.empty() ? "" : key.variant + ", ") + key.method;
+}
+
+// A row for each method and variant, a column for each grid.
+std::string grid_table(const Study& study, const StudyResults& results,
+                       const std::string& quantity) {
+  const std::vector<int> grids = grids_of(results);
+  std::string head = "| ", line = "| ---";
+  for (const int grid : grids) {
+    head += " | " + std::to_string(grid);
+    line += " | ---";
+  }
+  std::string text = head + " |\n" + line + " |\n";
+  for (const RunKey& first : runs_on(study, {0})) {
+    std::string row = "| " + run_name(first);
+    bool any = false;
+    for (const int grid : grids) {
+      const auto run = results.find({first.variant, first.method, grid});
+      const double value = run == results.end() ? std::nan("") : run->second.value(quantity);
+      any = any || !std::isnan(value);
+      row += " | " + shown(value);
+    }
+    if (any) text += row + " |\n";
+  }
+  return text;
+}
+
 // A row for each run, a column for each quantity.
 std::string number_table(const Study& study, const StudyResults& results) {
   std::vector<std::string> names;
@@ -176,8 +205,7 @@ std::string number_table(const Study& study, const StudyResults& results) {
   for (const RunKey& key : runs_on(study, grids)) {
     const auto run = results.find(key);
     if (run == results.end()) continue;
-    text += "| " + (key.variant.empty() ? "" : key.variant + ", ") + key.method + " | " +
-            std::to_string(key.grid);
+    text += "| " + run_name(key) + " | " + std::to_string(key.grid);
     for (const std::string& name : names) text += " | " + shown(run->second.value(name));
     text += " |\n";
   }
@@ -188,8 +216,7 @@ std::string stops(const StudyResults& results) {
   std::string text;
   for (const auto& [key, run] : results)
     if (!run.note.empty())
-      text += "- " + (key.variant.empty() ? "" : key.variant + ", ") + key.method + ", " +
-              std::to_string(key.grid) + ": " + run.note + "\n";
+      text += "- " + run_name(key) + ", " + std::to_string(key.grid) + ": " + run.note + "\n";
   return text.empty() ? "" : "Stopped:\n\n" + text + "\n";
 }
 
@@ -221,7 +248,7 @@ std::string study_head(const Study& study) {
   what += (what.empty() ? "grids" : "; grids") + list(study.paper);
   if (!study.finer.empty()) what += ", and finer:" + list(study.finer);
   if (!study.norm.empty()) what += "; norm " + study.norm;
-  return text + what + ".\n\n";
+  return text + (study.about.empty() ? "" : study.about + "\n\n") + what + ".\n\n";
 }
 
 std::string study_section(const Report& report, const Document& document, const Study& study) {
@@ -238,6 +265,57 @@ std::string study_section(const Report& report, const Document& document, const 
   if (results.empty()) return text;
   text += study.kind == "convergence" ? error_table(study, results) : number_table(study, results);
   return text + stops(results) + pictures(report, study, results);
+}
+
+std::string reconstruction_table(const Report& report) {
+  std::string text = "| where | claim | verdict | measured |\n| --- | --- | --- | --- |\n";
+  for (const Judged& each : report.claims) {
+    if (!is_reconstruction(*each.document, *each.claim)) continue;
+    std::string measured;
+    for (const Judgement& judgement : each.judgements) {
+      measured += (measured.empty() ? "" : "; ") + judgement.series + " ";
+      for (std::size_t k = 0; k < judgement.checks.size(); ++k)
+        measured += (k > 0 ? ", " : "") + shown(judgement.checks[k].value);
+    }
+    text += "| " + each.document->source + ", " + Document::place(*each.claim) + " | " +
+            cell(each.claim->says) + " | " + name_of(each.verdict) + " | " +
+            cell(measured.empty() ? each.claim->why : measured) + " |\n";
+  }
+  return text;
+}
+
+// Words of a mark: "NAME; key: value".
+std::string word_of(const std::string& mark, const std::string& key) {
+  const std::size_t at = mark.find("; " + key + ": ");
+  if (at == std::string::npos) return "";
+  const std::size_t from = at + key.size() + 4;
+  return mark.substr(from, mark.find(';', from) - from);
+}
+
+std::string between_marks(const std::string& mark, const Report& report) {
+  if (mark == "claims") return reconstruction_table(report);
+  const auto unknown = [&](const std::string& what) {
+    recon::detail::throw_invalid("mark of a page", mark, what);
+  };
+  if (mark.starts_with("claims: ")) {
+    for (const Document& document : report.list.documents)
+      if (document.source == mark.substr(8)) return claims_table(report, document);
+    unknown("names an unknown source");
+  }
+  const std::string name = mark.substr(7, mark.find(';') - 7);  // after "study: "
+  const auto found = report.results.find(name);
+  if (found == report.results.end()) unknown("names a study without results");
+  const Study* study = nullptr;
+  for (const Document& document : report.list.documents)
+    for (const Study& each : document.studies)
+      if (each.name == name) study = &each;
+  if (const std::string of = word_of(mark, "of"); !of.empty())
+    return grid_table(*study, found->second, of);
+  StudyResults results = found->second;
+  const std::string grid = word_of(mark, "grid");
+  if (!grid.empty())
+    std::erase_if(results, [&](const auto& run) { return std::to_string(run.first.grid) != grid; });
+  return number_table(*study, results) + stops(results);
 }
 
 }  // namespace
@@ -274,28 +352,35 @@ std::string listing(const ClaimList& list, const std::string& only) {
   return text;
 }
 
-std::string reconstruction_table(const Report& report) {
-  std::string text = "| where | claim | verdict | measured |\n| --- | --- | --- | --- |\n";
-  for (const Judged& each : report.claims) {
-    if (!is_reconstruction(*each.document, *each.claim)) continue;
-    std::string measured;
-    for (const Judgement& judgement : each.judgements) {
-      measured += (measured.empty() ? "" : "; ") + judgement.series + " ";
-      for (std::size_t k = 0; k < judgement.checks.size(); ++k)
-        measured += (k > 0 ? ", " : "") + shown(judgement.checks[k].value);
+std::string filled_page(const std::string& page, const Report& report) {
+  std::string text;
+  const std::string open = "<!-- ", close = " -->\n", end = "<!-- end -->";
+  std::size_t at = 0;
+  for (std::size_t from; (from = page.find(open, at)) != std::string::npos;) {
+    const std::size_t to = page.find(close, from);
+    const std::string mark =
+        to == std::string::npos ? "" : page.substr(from + open.size(), to - from - open.size());
+    const bool ours =
+        mark == "claims" || mark.starts_with("claims: ") || mark.starts_with("study: ");
+    const std::size_t stop = ours ? page.find(end, to) : std::string::npos;
+    if (stop == std::string::npos) {
+      text += page.substr(at, from + open.size() - at);
+      at = from + open.size();
+      continue;
     }
-    text += "| " + each.document->source + ", " + Document::place(*each.claim) + " | " +
-            cell(each.claim->says) + " | " + name_of(each.verdict) + " | " +
-            cell(measured.empty() ? each.claim->why : measured) + " |\n";
+    text += page.substr(at, to + close.size() - at) + between_marks(mark, report);
+    at = stop;
   }
-  return text;
+  return text + page.substr(at);
 }
 
 std::string verification_page(const Report& report) {
   std::string text =
       "# Verification\n\nWritten by `recon-mpm verify" + std::string(report.full ? " --full" : "") +
       "` from the list of claims in [claims](claims), which has every figure, table and section of "
-      "the three publications (`recon-mpm verify --list`).\n\n" +
+      "the three publications (`recon-mpm verify --list`), what eigenvalues of a step say "
+      "([dispersion.md](dispersion.md)), and benchmarks of other codes "
+      "([benchmarks.md](benchmarks.md)).\n\n" +
       overview(report) + "A verdict is that of the rules below on the grids of the source" +
       (report.full ? "" : ", as far as the quick verification has them") +
       ". Claims about orders are made at T, a whole period, at which errors of first order may "

@@ -29,8 +29,13 @@ struct Report {
 };
 
 std::string verification_page(const Report& report);
-// A table of the claims that no run of the driver judges, for the page of reconstruction.
-std::string reconstruction_table(const Report& report);
+// A page with what stands between its marks and the next <!-- end --> written anew:
+//   <!-- claims -->                     the claims that no run of the driver judges
+//   <!-- claims: SOURCE -->             those of one source, with their verdicts
+//   <!-- study: NAME; grid: 8 -->       the numbers of a study, on all grids or one
+//   <!-- study: NAME; of: QUANTITY -->  a quantity, with a column for each grid
+// Throws InvalidArgument for a mark that names what there is not.
+std::string filled_page(const std::string& page, const Report& report);
 // One line for each number and claim.
 std::string listing(const ClaimList& list, const std::string& only);
 // Whether --only names this claim.

@@ -1,6 +1,7 @@
 // recon-mpm stability: the largest stable step of each method, and its dispersion.
 #include "recon/studies/stability.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -11,6 +12,7 @@
 #include "programs/common/text.hpp"
 #include "recon/io/picture.hpp"
 #include "recon/runs/compose.hpp"
+#include "recon/studies/step_waves.hpp"
 
 namespace recon::program {
 namespace {
@@ -35,27 +37,43 @@ void run(const Options& options) {
     counts.push_back(static_cast<int>(*count));
   }
   if (options.dimension > 1) {
-    std::printf("largest stable c_p dt / h in %d-D\n%-*s %9s %9s %9s\n", options.dimension,
-                name_width(20, names), "method", "particles", "measured", "default");
+    std::printf(
+        "largest stable c_p dt / h in %d-D, measured and by eigenvalues\n%-*s %9s %9s %9s %9s "
+        "%9s\n",
+        options.dimension, name_width(20, names), "method", "particles", "measured", "eigen",
+        "free", "default");
     for (const mpm::Method& method : methods)
       for (const int count : counts) {
         if (method.basis == mpm::Basis::q8 && options.dimension == 3) continue;
-        std::printf("%-*s %9d %9.3f %9.3f\n", name_width(20, names), method.name.c_str(), count,
-                    mpm::stability_limit(method, count, options.dimension).measured,
-                    method.default_courant(options.dimension));
+        std::printf("%-*s %9d %9.3f", name_width(20, names), method.name.c_str(), count,
+                    mpm::stability_limit(method, count, options.dimension).measured);
+        for (const bool free : {false, true})
+          std::printf(" %9s", options.dimension == 3
+                                  ? "-"
+                                  : number(mpm::largest_step_by_eigenvalues(
+                                               method, options.dimension, count, free),
+                                           3)
+                                        .c_str());
+        std::printf(" %9.3f\n", method.default_courant(options.dimension));
         std::fflush(stdout);
       }
     return;
   }
   std::printf(
-      "largest stable c_p dt / h in 1-D, measured and 1 / sqrt(Q (2 - W))\n"
-      "%-*s %9s %9s %9s %7s %7s\n",
-      width, "method", "particles", "measured", "analytic", "W", "Q");
+      "largest stable c_p dt / h in 1-D, measured, 1 / sqrt(Q (2 - W)), and by eigenvalues: "
+      "without "
+      "end, and free\n%-*s %9s %9s %9s %7s %7s %7s %7s\n",
+      width, "method", "particles", "measured", "analytic", "W", "Q", "eigen", "free");
   for (const mpm::Method& method : methods)
     for (const int count : counts) {
       const auto limit = mpm::stability_limit(method, count);
-      std::printf("%-*s %9d %9.3f %9.3f %7.4f %7.4f\n", width, limit.method.c_str(), count,
+      std::printf("%-*s %9d %9.3f %9.3f %7.4f %7.4f", width, limit.method.c_str(), count,
                   limit.measured, limit.analytic, limit.W, limit.Q);
+      for (const bool free : {false, true})
+        std::printf(" %7.3f", method.basis == mpm::Basis::q8
+                                  ? std::nan("")
+                                  : mpm::largest_step_by_eigenvalues(method, 1, count, free));
+      std::printf("\n");
       std::fflush(stdout);
     }
 
@@ -105,7 +123,9 @@ Command add_stability(CLI::App& app) {
   command->add_option("--particles", options->particles, "per cell, with commas")
       ->type_name("NUMBERS")
       ->capture_default_str();
-  command->add_option("--dimension", options->dimension, "2 and 3: the stable step alone")
+  command
+      ->add_option("--dimension", options->dimension,
+                   "2 and 3: the stable step alone (3: measured)")
       ->type_name("D")
       ->check(CLI::Range(1, 3))
       ->capture_default_str();

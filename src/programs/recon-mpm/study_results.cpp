@@ -42,6 +42,12 @@ std::string ResultFile::mark(const std::string& variant) const {
   for (const Variant& each : study_->variants)
     if (each.name == variant)
       for (const std::string& setting : each.settings) text += "\n" + setting;
+  for (const Probe& each : study_->probes) {
+    text += "\n" + each.name + "\n" + each.of + "\n" + each.component + "\n" + each.take;
+    for (const double value : {static_cast<double>(each.body), each.from, each.until, each.level})
+      text += "\n" + number(value, 17);
+    for (const double value : each.at) text += "\n" + number(value, 17);
+  }
   return hash(text);
 }
 

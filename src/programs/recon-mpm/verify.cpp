@@ -94,7 +94,7 @@ class Verification {
     AtomicFile file(fs::path(options_.out) / "verification.md");
     file.write(page);
     file.commit();
-    fill_page_of_reconstruction();
+    fill_pages();
     for (const Judged& each : report_.claims)
       std::printf("%-18s %s, %s: %s\n", name_of(each.verdict).c_str(),
                   each.document->source.c_str(), Document::place(*each.claim).c_str(),
@@ -212,23 +212,21 @@ class Verification {
     }
   }
 
-  // The table between the marks in papers.md, if it is there.
-  void fill_page_of_reconstruction() const {
-    const fs::path path = fs::path(options_.out) / "papers.md";
-    std::ifstream file(path);
-    if (!file) return;
-    std::stringstream all;
-    all << file.rdbuf();
-    std::string page = all.str();
-    const std::string begin = "<!-- claims -->\n", end = "<!-- end -->";
-    const std::size_t from = page.find(begin);
-    if (from == std::string::npos) return;
-    const std::size_t start = from + begin.size(), stop = page.find(end, start);
-    if (stop == std::string::npos) return;
-    page.replace(start, stop - start, reconstruction_table(report_));
-    AtomicFile out(path);
-    out.write(page);
-    out.commit();
+  // The pages beside verification.md that have marks. Only a whole verification has all that they
+  // name.
+  void fill_pages() const {
+    if (!options_.only.empty()) return;
+    for (const auto& entry : fs::directory_iterator(options_.out)) {
+      if (entry.path().extension() != ".md") continue;
+      std::ifstream file(entry.path());
+      std::stringstream all;
+      all << file.rdbuf();
+      const std::string page = filled_page(all.str(), report_);
+      if (page == all.str()) continue;
+      AtomicFile out(entry.path());
+      out.write(page);
+      out.commit();
+    }
   }
 
   const Options& options_;
