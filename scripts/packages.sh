@@ -79,7 +79,7 @@ need_pictures() {
 }
 
 need_tests() {
-  need_package libgtest-dev libgmock-dev python3-vtk9  # VTK: a reader of our files that is not ours
+  need_package libgtest-dev libgmock-dev python3-vtk9 python3-h5py  # readers of our files that are not ours
   need_package gfortran pybind11-dev python3-dev python3-numpy python3-scipy python3-pandas python3-matplotlib \
     python3-pytest python3-mypy python3-pip python3-venv python3-skbuild
 }
@@ -93,7 +93,7 @@ need_peers() {
 }
 
 need_ci() {
-  need_package clang libomp-dev libclang-rt-14-dev clang-format-14  # Debian 12's clang is 14
+  need_package clang libomp-dev libclang-rt-14-dev clang-format-14 clang-tidy-14  # Debian 12's clang is 14
   need_command git git
   need_command doxygen doxygen  # the site
 }

@@ -154,6 +154,17 @@ std::vector<std::string> ParticleTable::repeated_names() const {
   return names;
 }
 
+std::vector<std::string> ParticleTable::all_names() const {
+  std::vector<std::string> names;
+  for (const Column& column : columns_)
+    if (!column.repeated) names.push_back(column.name);
+  return names;
+}
+
+const TextCells& ParticleTable::texts(std::string_view name) const {
+  return find(name).texts;
+}
+
 const std::vector<double>& ParticleTable::raw_column(std::string_view name) const {
   return find(name).values;
 }
@@ -365,7 +376,7 @@ void ParticleTable::set_box(const Box<double>& box, std::array<bool, max_dimensi
   cell_.reset();
   periods_ = {box.lower, box.upper, {}};
   for (int d = 0; d < box.dimension; ++d) periods_.periodic[d] = box.extent(d) > 0;
-  periodic_ = periodic;
+  periodic_ = periodic_edges_ = periodic;
 }
 
 void ParticleTable::set_cell(const SimulationCell& cell, std::array<bool, max_dimension> periodic) {
@@ -397,10 +408,21 @@ void ParticleTable::set_cell(const SimulationCell& cell, std::array<bool, max_di
   set_box(around, {});
   periods_ = periods;
   periodic_ = along;
+  periodic_edges_ = periodic;
   if (!all_along) cell_ = cell;
   if (!left_out.empty())
     remarks.push_back("the box is triclinic; its periods along " + left_out +
                       " are left out, as only periods along the axes are searched");
+}
+
+std::optional<SimulationCell> ParticleTable::source_cell() const {
+  if (cell_ || !box_) return cell_;
+  SimulationCell cell;
+  for (int d = 0; d < box_->dimension; ++d) {
+    cell.origin[d] = box_->lower[d];
+    cell.edges[d][d] = box_->extent(d);
+  }
+  return cell;
 }
 
 std::string ParticleTable::why_not_periodic(int axis, int dimension) const {
@@ -416,7 +438,7 @@ std::string ParticleTable::why_not_periodic(int axis, int dimension) const {
 
 // Axes of the source's box that the coordinates lie along.
 std::vector<int> ParticleTable::box_axes(int dimension) const {
-  const std::vector<int> axes = this->axes(dimension);
+  std::vector<int> axes = this->axes(dimension);
   for (const int axis : axes)
     require(axis < box_->dimension, "axis of the simulation box", axis,
             "must be one that the box has");

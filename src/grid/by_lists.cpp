@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "recon/core/progress.hpp"
 #include "recon/neighbourhood/find_neighbours_with.hpp"
 #include "recon/operators/reconstruct.hpp"
@@ -153,7 +154,9 @@ BasicGridReconstruction<Scalar> by_lists(const BasicSources<Scalar>& sources,
 
 template GridReconstruction by_lists(const Sources&, const std::vector<FieldView<double>>&,
                                      const StructuredGrid<double>&, Options, const GridApply&);
-template GridReconstructionF by_lists(const SourcesF&, const std::vector<FieldView<float>>&,
-                                      const StructuredGrid<float>&, Options, const GridApply&);
+RECON_FLOAT(template GridReconstructionF by_lists(const SourcesF&,
+                                                  const std::vector<FieldView<float>>&,
+                                                  const StructuredGrid<float>&, Options,
+                                                  const GridApply&);)
 
 }  // namespace recon

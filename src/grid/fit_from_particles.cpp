@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "grid/node_fit.hpp"
 #include "local_solve/compiled_solve.hpp"
 #include "recon/core/error.hpp"
@@ -130,9 +131,9 @@ void fit_from_particles(const ParticleData<Scalar>& particles, const ParticleBin
   });
 }
 
-template void fit_from_particles(const ParticleData<float>&, const ParticleBins&,
-                                 const GridPlan<float>&, const std::vector<std::size_t>&,
-                                 NodeFits<float>&);
+RECON_FLOAT(template void fit_from_particles(const ParticleData<float>&, const ParticleBins&,
+                                             const GridPlan<float>&,
+                                             const std::vector<std::size_t>&, NodeFits<float>&);)
 template void fit_from_particles(const ParticleData<double>&, const ParticleBins&,
                                  const GridPlan<double>&, const std::vector<std::size_t>&,
                                  NodeFits<double>&);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/instantiate.hpp"
 #include "grid/node_fit.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/local_solve/fill_report.hpp"
@@ -96,8 +97,8 @@ void fit_reduced(const Scalar* moments, const GridPlan<Scalar>& plan,
   });
 }
 
-template void fit_reduced(const float*, const GridPlan<float>&, const std::vector<std::size_t>&,
-                          NodeFits<float>&);
+RECON_FLOAT(template void fit_reduced(const float*, const GridPlan<float>&,
+                                      const std::vector<std::size_t>&, NodeFits<float>&);)
 template void fit_reduced(const double*, const GridPlan<double>&, const std::vector<std::size_t>&,
                           NodeFits<double>&);
 

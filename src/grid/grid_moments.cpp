@@ -1,5 +1,6 @@
 #include "recon/grid/grid_moments.hpp"
 
+#include "core/instantiate.hpp"
 #include "grid/node_fit.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
@@ -58,7 +59,7 @@ BasicGridMoments<Scalar>::BasicGridMoments(const PointsView<Scalar>& points,
   const ParticleBins bins(particles, *plan);
   values_.resize(grid.size() * static_cast<std::size_t>(plan->quantities()));
   const LaneLayout lanes = LaneLayout::of(*plan);
-  const RowSink<Scalar> keep = [&](const FinishedRow<Scalar>& row) {
+  RowSink<Scalar> keep = [&](const FinishedRow<Scalar>& row) {
     Scalar* to = values_.data() +
                  plan->node(row.first, row.j, row.k) * static_cast<std::size_t>(plan->quantities());
     for_each_number(*plan, lanes, row.width,
@@ -125,7 +126,7 @@ BasicGridReconstruction<Scalar> BasicGridMoments<Scalar>::solve(const GridApply&
           FitReports(std::move(fits.reports), Solver::moment_matrix)};
 }
 
-template class BasicGridMoments<float>;
+RECON_FLOAT(template class BasicGridMoments<float>;)
 template class BasicGridMoments<double>;
 
 }  // namespace recon

@@ -1,4 +1,5 @@
 #include "grid/grid_plan.hpp"
+#include "core/instantiate.hpp"
 
 #include <limits>
 #include <string>
@@ -104,11 +105,12 @@ GridPlan<Scalar>::GridPlan(const StructuredGrid<Scalar>& grid_, const Options& o
   for (int d = 0; d < factors; ++d) least_weight *= largest;
 }
 
-template std::optional<InvalidArgument> beyond_moments(const StructuredGrid<float>&, const Options&,
-                                                       const GridApply&);
+RECON_FLOAT(template std::optional<InvalidArgument> beyond_moments(const StructuredGrid<float>&,
+                                                                   const Options&,
+                                                                   const GridApply&);)
 template std::optional<InvalidArgument> beyond_moments(const StructuredGrid<double>&,
                                                        const Options&, const GridApply&);
-template struct GridPlan<float>;
+RECON_FLOAT(template struct GridPlan<float>;)
 template struct GridPlan<double>;
 
 }  // namespace recon

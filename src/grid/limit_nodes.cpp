@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/instantiate.hpp"
 #include "grid/node_fit.hpp"
 #include "recon/core/parallel.hpp"
 
@@ -118,8 +119,8 @@ LimitCount limit_nodes(const ParticleData<Scalar>& particles, const ParticleBins
   return count;
 }
 
-template LimitCount limit_nodes(const ParticleData<float>&, const ParticleBins&,
-                                const GridPlan<float>&, Limit, NodeFits<float>&);
+RECON_FLOAT(template LimitCount limit_nodes(const ParticleData<float>&, const ParticleBins&,
+                                            const GridPlan<float>&, Limit, NodeFits<float>&);)
 template LimitCount limit_nodes(const ParticleData<double>&, const ParticleBins&,
                                 const GridPlan<double>&, Limit, NodeFits<double>&);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
 
@@ -106,9 +107,10 @@ ParticleBins::ParticleBins(const ParticleData<Scalar>& data, const GridPlan<Scal
   sort_.forget_scratch();
 }
 
-template struct ParticleData<float>;
+RECON_FLOAT(template struct ParticleData<float>;)
 template struct ParticleData<double>;
-template ParticleBins::ParticleBins(const ParticleData<float>&, const GridPlan<float>&);
+RECON_FLOAT(template ParticleBins::ParticleBins(const ParticleData<float>&,
+                                                const GridPlan<float>&);)
 template ParticleBins::ParticleBins(const ParticleData<double>&, const GridPlan<double>&);
 
 }  // namespace recon

@@ -116,17 +116,18 @@ GridReconstruction reconstruct_on_grid(const PointsView<double>& points,
                                        const GridApply& apply) {
   return of_points(points, fields, grid, options, apply);
 }
-GridReconstructionF reconstruct_on_grid(const PointsView<float>& points,
-                                        const std::vector<FieldView<float>>& fields,
-                                        const StructuredGrid<float>& grid, const Options& options,
-                                        const GridApply& apply) {
-  return of_points(points, fields, grid, options, apply);
-}
 GridReconstruction reconstruct_on_grid(const Sources& sources,
                                        const std::vector<FieldView<double>>& fields,
                                        const StructuredGrid<double>& grid, const Options& options,
                                        const GridApply& apply) {
   return of_sources(sources, fields, grid, options, apply);
+}
+#ifndef RECON_DOUBLE_ONLY
+GridReconstructionF reconstruct_on_grid(const PointsView<float>& points,
+                                        const std::vector<FieldView<float>>& fields,
+                                        const StructuredGrid<float>& grid, const Options& options,
+                                        const GridApply& apply) {
+  return of_points(points, fields, grid, options, apply);
 }
 GridReconstructionF reconstruct_on_grid(const SourcesF& sources,
                                         const std::vector<FieldView<float>>& fields,
@@ -134,5 +135,6 @@ GridReconstructionF reconstruct_on_grid(const SourcesF& sources,
                                         const GridApply& apply) {
   return of_sources(sources, fields, grid, options, apply);
 }
+#endif
 
 }  // namespace recon

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/instantiate.hpp"
 #include "grid/node_fit.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/local_solve/fill_report.hpp"
@@ -120,9 +121,9 @@ void RowSolver<Scalar>::take(std::size_t node, const Scalar* out, std::size_t co
   for (int c = 0; c < plan_.components * dimension; ++c) fits_.gradients(at, c) = fill;
 }
 
-template struct NodeFits<float>;
+RECON_FLOAT(template struct NodeFits<float>;)
 template struct NodeFits<double>;
-template class RowSolver<float>;
+RECON_FLOAT(template class RowSolver<float>;)
 template class RowSolver<double>;
 
 }  // namespace recon

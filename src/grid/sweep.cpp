@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/instantiate.hpp"
 #include "grid/aligned_array.hpp"
 #include "grid/row_gather.hpp"
 #include "recon/core/parallel.hpp"
@@ -201,10 +202,11 @@ void sweep(const ParticleData<Scalar>& particles, const ParticleBins& bins,
   parallel_blocks(tiles.count(), 1, plan.options.threads, progress, sweep_tile);
 }
 
-template LaneLayout LaneLayout::of(const GridPlan<float>&);
+RECON_FLOAT(template LaneLayout LaneLayout::of(const GridPlan<float>&);)
 template LaneLayout LaneLayout::of(const GridPlan<double>&);
-template void sweep(const ParticleData<float>&, const ParticleBins&, const GridPlan<float>&,
-                    const Progress&, const std::function<RowSink<float>()>&);
+RECON_FLOAT(template void sweep(const ParticleData<float>&, const ParticleBins&,
+                                const GridPlan<float>&, const Progress&,
+                                const std::function<RowSink<float>()>&);)
 template void sweep(const ParticleData<double>&, const ParticleBins&, const GridPlan<double>&,
                     const Progress&, const std::function<RowSink<double>()>&);
 

@@ -239,13 +239,14 @@ Header for_each_row(TextFile& file, const ReadOptions& options, const Begin& beg
 
 }  // namespace
 
-bool DelimitedFrame::next() {
-  return !std::exchange(done_, true);
+bool DelimitedFrame::find() {
+  info_ = {};
+  return found() == 0;
 }
 
 void DelimitedFrame::skip() {
   for_each_row(
-      *file_, *options_,
+      file(), *options_,
       [&](const Header& header) {
         info_.columns = header.names;
         info_.line = header.line;
@@ -256,11 +257,11 @@ void DelimitedFrame::skip() {
 ParticleTable DelimitedFrame::read() {
   std::optional<ColumnParser> parser;
   const Header header = for_each_row(
-      *file_, *options_,
+      file(), *options_,
       [&](const Header& begun) {
         info_.columns = begun.names;
         info_.line = begun.line;
-        parser.emplace(*file_, begun.names);
+        parser.emplace(file(), begun.names);
       },
       [&](const std::vector<Cell>& cells) {
         for (std::size_t c = 0; c < cells.size(); ++c) parser->add_cell(c, cells[c].text);

@@ -286,13 +286,13 @@ ParticleTable read_atoms(TextFile& file, const Frame& frame,
 struct LammpsFrames::Header : Frame {};
 
 LammpsFrames::LammpsFrames(TextFile& file, const ReadOptions& options)
-    : file_(&file), options_(&options), header_(new Header) {}
+    : TextFrames(file), options_(&options), header_(new Header) {}
 LammpsFrames::~LammpsFrames() = default;
 
-bool LammpsFrames::next() {
+bool LammpsFrames::find() {
   auto header = std::make_unique<Header>();
   header->info.units = header_->info.units;
-  if (!read_header(*file_, options_->columns, *header)) return false;
+  if (!read_header(file(), options_->columns, *header)) return false;
   header_ = std::move(header);
   return true;
 }
@@ -302,12 +302,12 @@ const FrameInfo& LammpsFrames::info() const {
 }
 
 void LammpsFrames::skip() {
-  skip_atoms(*file_, *header_);
+  skip_atoms(file(), *header_);
 }
 
 ParticleTable LammpsFrames::read() {
   const Frame& frame = *header_;
-  ParticleTable table = read_atoms(*file_, frame, options_->missing);
+  ParticleTable table = read_atoms(file(), frame, options_->missing);
   table.step = frame.info.step;
   table.time = frame.info.time;
   table.units = frame.info.units;

@@ -27,6 +27,32 @@ bool is_lammps_dump(detail::TextFile& file) {
   return lammps;
 }
 
+enum class Content { text, legacy_vtk, xml_vtk, hdf5 };
+
+// What a file begins with.
+Content content_of(std::string_view start) {
+  using namespace std::string_view_literals;
+  if (start.starts_with("\x89HDF\r\n\x1a\n"sv)) return Content::hdf5;
+  if (start.starts_with("# vtk DataFile"sv)) return Content::legacy_vtk;
+  if (start.starts_with("\xef\xbb\xbf"sv)) start.remove_prefix(3);
+  const bool xml = start.starts_with("<?xml"sv) || start.starts_with("<VTKFile"sv);
+  if (xml && start.find("<VTKFile"sv) != std::string_view::npos) return Content::xml_vtk;
+  return Content::text;
+}
+
+// All bytes of a source, with gzip undone.
+std::string whole(detail::ByteSource& source) {
+  constexpr std::size_t block = 1 << 20;
+  std::string bytes;
+  for (std::size_t got = 1; got > 0;) {
+    const std::size_t before = bytes.size();
+    bytes.resize(before + block);
+    got = source.read(bytes.data() + before, block);
+    bytes.resize(before + got);
+  }
+  return bytes;
+}
+
 std::string frames_there_are(std::size_t frames) {
   std::string text =
       "the file has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames");
@@ -40,6 +66,34 @@ std::string frames_there_are(std::size_t frames) {
 }  // namespace
 
 namespace detail {
+
+bool TextFrames::next() {
+  const TextFile::Mark begin = file_->mark();
+  if (!find()) return false;
+  begins_.push_back(begin);
+  return true;
+}
+
+void TextFrames::go_to(std::size_t frame) {
+  file_->go_to(begins_.at(frame));
+  begins_.resize(frame);
+}
+
+void set_cell_or_box(ParticleTable& table, const SimulationCell& cell,
+                     std::array<bool, max_dimension> periodic) {
+  Box<double> box = Box<double>::empty(max_dimension);
+  bool orthogonal = true;
+  for (int e = 0; e < max_dimension; ++e) {
+    for (int d = 0; d < max_dimension; ++d)
+      orthogonal = orthogonal && (d == e ? cell.edges[e][d] >= 0 : cell.edges[e][d] == 0);
+    box.lower[e] = cell.origin[e];
+    box.upper[e] = cell.origin[e] + cell.edges[e][e];
+  }
+  if (orthogonal)
+    table.set_box(box, periodic);
+  else
+    table.set_cell(cell, periodic);
+}
 
 std::vector<std::string> to_utf8(const std::vector<std::string>& names,
                                  std::vector<std::string>& remarks) {
@@ -56,28 +110,57 @@ std::vector<std::string> to_utf8(const std::vector<std::string>& names,
 }  // namespace detail
 
 struct FrameReader::State {
-  detail::TextFile file;
+  std::filesystem::path path;
   ReadOptions options;
+  std::optional<detail::TextFile> text;  // of a format that is lines of text
   std::unique_ptr<detail::FrameSource> source;
   std::size_t position = 0;
-  std::vector<detail::TextFile::Mark> begins;  // of the frames passed over
   std::optional<FileError> cut;
   std::string cut_text;
-  bool has_steps = false;
 
+  // `from`: a path; or bytes in memory, and their name.
   template <class... Source>
-  explicit State(const ReadOptions& asked, const Source&... from) : file(from...), options(asked) {
+  explicit State(const ReadOptions& asked, const Source&... from) : options(asked) {
     for (const std::string& name : options.columns)
       require(!name.empty(), "name of a column", "''", "must not be empty");
+    detail::ByteSource bytes(from...);
+    path = bytes.path();
+    constexpr std::size_t enough = 1024;
+    std::string start(enough, '\0');
+    start.resize(bytes.read(start.data(), start.size()));
+    const Content content = content_of(start);
+    require(options.group.empty() || content == Content::hdf5, "group", options.group,
+            "is for HDF5 files only");
+    if (content == Content::text) {
+      open_text(from...);
+      return;
+    }
+    require(options.columns.empty() && options.skip_rows == 0, "options columns and skip_rows",
+            "given", "are for delimited text and dumps only");
+    bytes.go_to(0);
+    if (content == Content::hdf5) {
+      const bool by_path = sizeof...(from) == 1 && !bytes.is_gzip();
+      source = detail::open_hdf5_particles(path, by_path ? "" : whole(bytes), options);
+    } else {
+      source = std::make_unique<detail::VtkFrame>(whole(bytes), path, content == Content::xml_vtk,
+                                                  options);
+    }
+  }
+
+  template <class... Source>
+  void open_text(const Source&... from) {
+    text.emplace(from...);
+    detail::TextFile& file = *text;
     std::string_view line;
     for (std::size_t skipped = 0; skipped < options.skip_rows; ++skipped)
       if (!file.next(line))
         throw FileError(file.path(), 0,
                         "there is nothing behind the " + std::to_string(options.skip_rows) +
                             " rows to skip: the file has " + std::to_string(skipped) + " lines");
-    has_steps = is_lammps_dump(file);
-    if (has_steps)
+    if (is_lammps_dump(file))
       source = std::make_unique<detail::LammpsFrames>(file, options);
+    else if (options.columns.empty() && detail::is_xyz(file))
+      source = std::make_unique<detail::XyzFrames>(file, options);
     else
       source = std::make_unique<detail::DelimitedFrame>(file, options);
   }
@@ -87,19 +170,17 @@ struct FrameReader::State {
   template <class Use>
   bool with_next(const Use& use) {
     if (cut) return false;
-    const detail::TextFile::Mark begin = file.mark();
     try {
       if (!source->next()) return false;
       use();
     } catch (const FileError& error) {
-      if (position == 0 || !file.ended()) throw;
+      if (position == 0 || !source->ended()) throw;
       cut = error;
       cut_text = std::string(error.what()) + ": frame " + std::to_string(position) +
                  " is cut off, the frames before it are whole";
       return false;
     }
     ++position;
-    begins.push_back(begin);
     return true;
   }
 
@@ -111,12 +192,16 @@ struct FrameReader::State {
     std::optional<ParticleTable> table;
     const std::size_t number = position;
     const bool found = with_next([&] {
-      table = source->read();
-      table->source = file.path().filename().string();
-      if (has_steps)
-        table->source += ", frame " + std::to_string(number) + ", step " +
-                         std::to_string(table->step.value_or(0));
-      if (!file.line_is_closed())
+      try {
+        table = source->read();
+      } catch (const InvalidArgument& error) {  // a box or columns that no table can have
+        throw FileError(path, source->info().line, error.what());
+      }
+      table->source = path.filename().string();
+      if (source->is_series()) table->source += ", frame " + std::to_string(number);
+      if (source->is_series() && table->step)
+        table->source += ", step " + std::to_string(*table->step);
+      if (source->ends_open())
         table->remarks.push_back(
             "the last line of the file has no line break: if the file was cut, "
             "its last number lacks figures");
@@ -129,12 +214,12 @@ struct FrameReader::State {
     const int given = (options.frame != -1) + options.step.has_value() + options.time.has_value();
     require(given <= 1, "options that choose a frame", given,
             "must be at most one of frame, step and time");
-    if (!has_steps && options.frame == -1) options.frame = 0;
+    if (!source->is_series() && options.frame == -1) options.frame = 0;
     const bool look_at_all = options.step || options.time || options.frame < 0;
     const std::size_t number = look_at_all ? find() : static_cast<std::size_t>(options.frame);
     const std::optional<FileError> seen = std::exchange(cut, std::nullopt);
     if (look_at_all) {
-      file.go_to(begins[number]);
+      source->go_to(number);
       position = number;
     }
     while (position < number)
@@ -157,8 +242,8 @@ struct FrameReader::State {
                              std::abs(*info.time - *options.time) <= 1e-9 * std::abs(*options.time))
         numbers.push_back(position - 1);
       if (options.step ? !info.step : !info.time) continue;
-      if (begins.size() == 20) there += ", ...";
-      if (begins.size() >= 20) continue;
+      if (position == 21) there += ", ...";
+      if (position >= 21) continue;
       there += (there.empty() ? "" : ", ") +
                (options.step ? std::to_string(*info.step) : detail::to_text(*info.time));
     }
@@ -179,7 +264,7 @@ struct FrameReader::State {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw FileError(file.path(), 0, cut ? what + "; " + cut_text : what);
+    throw FileError(path, 0, cut ? what + "; " + cut_text : what);
   }
   // The frame with the number asked for is not there, or cut off.
   [[noreturn]] void fail_number() const {
@@ -191,6 +276,9 @@ struct FrameReader::State {
 
 FrameReader::FrameReader(const std::filesystem::path& path, const ReadOptions& options)
     : state_(std::make_unique<State>(options, path)) {}
+FrameReader::FrameReader(std::string_view bytes, const ReadOptions& options,
+                         const std::string& name)
+    : state_(std::make_unique<State>(options, bytes, std::filesystem::path(name))) {}
 FrameReader::~FrameReader() = default;
 FrameReader::FrameReader(FrameReader&&) noexcept = default;
 FrameReader& FrameReader::operator=(FrameReader&&) noexcept = default;
@@ -213,7 +301,7 @@ const std::string& FrameReader::cut() const {
 }
 
 double FrameReader::progress() const {
-  return state_->file.progress();
+  return state_->source->progress();
 }
 
 std::vector<FrameInfo> FrameReader::list(State& state) {

@@ -50,12 +50,9 @@ constexpr std::array foreign_contents{
     Foreign{"\x28\xb5\x2f\xfd"sv, "compressed with zstd; undo that first, or use gzip"},
     Foreign{"BZh"sv, "compressed with bzip2; undo that first, or use gzip"},
     Foreign{"PK\x03\x04"sv, "a zip archive or a spreadsheet; save it as CSV"},
-    Foreign{"<?xml"sv, "XML; a VTK file can be saved as CSV from ParaView (File > Save Data)"},
-    Foreign{"<VTKFile"sv, "a VTK file; save it as CSV from ParaView (File > Save Data)"},
-    Foreign{"# vtk DataFile"sv, "a VTK file; save it as CSV from ParaView (File > Save Data)"},
+    Foreign{"<?xml"sv, "XML, but no VTK file"},
     Foreign{"\xff\xfe"sv, "UTF-16 text; save it as UTF-8"},
     Foreign{"\xfe\xff"sv, "UTF-16 text; save it as UTF-8"},
-    Foreign{"\x89HDF"sv, "an HDF5 file"},
 };
 
 }  // namespace
@@ -236,7 +233,8 @@ void TextFile::start() {
 }
 
 void TextFile::refuse_foreign_content() {
-  constexpr const char* expected = " (a LAMMPS text dump or delimited text is needed)";
+  constexpr const char* expected =
+      " (a LAMMPS text dump, delimited text, XYZ, VTK or HDF5 is needed)";
   if (buffer_.empty()) throw FileError(path(), 0, std::string("is empty") + expected);
   for (const Foreign& foreign : foreign_contents)
     if (buffer_.starts_with(foreign.start))

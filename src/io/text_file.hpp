@@ -28,6 +28,7 @@ class ByteSource {
   const std::filesystem::path& path() const { return path_; }
   // Reads at most `count` of the next bytes; 0 at the end. Throws FileError for a damaged file.
   std::size_t read(char* to, std::size_t count);
+  bool is_gzip() const { return inflater_ != nullptr; }
   // The next read() begins at this byte.
   void go_to(std::int64_t offset);
   // Whether the gzip stream ended too early; what was read until then is sound.

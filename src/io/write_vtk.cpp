@@ -1,15 +1,17 @@
-// VTK XML files with appended raw data (kitware.github.io/vtk-examples, "VTK XML file formats"):
+// VTK XML files with inline binary data (kitware.github.io/vtk-examples, "VTK XML file formats"):
 //
-//   <VTKFile ...> ... <DataArray ... format="appended" offset="0"/> ... <AppendedData>_[blocks]
+//   <DataArray ... format="binary">[base64 of the length in bytes as UInt64, and of the numbers]
 //
-// A block is its length in bytes as UInt64 and then the numbers; offsets count from the
-// byte after '_'.
+// Not appended, raw or in base64: since the security update of 2024 to expat (CVE-2023-52425),
+// ParaView 5.11 of Debian 12 fails on such files, also on those that it has written itself, as
+// other VTK of that time does that parses with the system's expat.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <functional>
+#include <string_view>
 
 #include "escaped.hpp"
 #include "number_text.hpp"
@@ -43,49 +45,83 @@ std::size_t type_size(NumberType type) {
   return type == NumberType::float64 ? 8 : 4;
 }
 
-// Collects the arrays of a file: first their descriptions, then, in the same order, their blocks.
+constexpr std::string_view base64_letters =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+// The two letters of each twelve bits.
+constexpr auto base64_pairs = [] {
+  std::array<std::array<char, 2>, 4096> pairs{};
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    pairs[i] = {base64_letters[i >> 6], base64_letters[i & 63]};
+  return pairs;
+}();
+
+// Bytes as base64, in pieces.
+class Base64 {
+ public:
+  explicit Base64(AtomicFile& file) : file_(&file) {}
+
+  // All but the last one or two bytes, which wait for more.
+  void add(std::string& bytes) {
+    const std::size_t triples = bytes.size() / 3;
+    text_.resize(4 * triples);
+    for (std::size_t t = 0; t < triples; ++t) {
+      const auto* const from = reinterpret_cast<const unsigned char*>(bytes.data()) + 3 * t;
+      const unsigned first = from[0] << 4 | from[1] >> 4, second = (from[1] & 15u) << 8 | from[2];
+      std::memcpy(text_.data() + 4 * t, base64_pairs[first].data(), 2);
+      std::memcpy(text_.data() + 4 * t + 2, base64_pairs[second].data(), 2);
+    }
+    file_->write(text_);
+    bytes.erase(0, 3 * triples);
+  }
+  void finish(std::string& bytes) {
+    add(bytes);
+    if (bytes.empty()) return;
+    const auto first = static_cast<unsigned char>(bytes[0]);
+    const auto second = bytes.size() > 1 ? static_cast<unsigned char>(bytes[1]) : 0u;
+    text_ = {base64_letters[first >> 2], base64_letters[(first & 3u) << 4 | second >> 4],
+             bytes.size() > 1 ? base64_letters[(second & 15u) << 2] : '=', '='};
+    file_->write(text_);
+  }
+
+ private:
+  AtomicFile* file_;
+  std::string text_;
+};
+
 class VtkFile {
  public:
   VtkFile(const std::filesystem::path& path, const std::string& kind) : file_(path), kind_(kind) {
-    xml_ = "<?xml version=\"1.0\"?>\n<VTKFile type=\"" + kind +
-           "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+    xml("<?xml version=\"1.0\"?>\n<VTKFile type=\"" + kind +
+        "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n");
   }
 
-  void xml(const std::string& text) { xml_ += text; }
+  void xml(const std::string& text) { file_.write(text); }
 
-  // Describes an array of `count` numbers, which put(append) will write: append(bytes, i) for each.
+  // An array of `count` numbers of `size` bytes, which append(bytes, i) appends to the bytes.
   template <class Append>
   void array(const std::string& attributes, const char* type, std::size_t count, std::size_t size,
              Append append) {
-    xml_ += "<DataArray type=\"" + std::string(type) + "\" " + attributes +
-            " format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
-    offset_ += sizeof(std::uint64_t) + count * size;
-    blocks_.push_back([count, size, append](AtomicFile& file) {
-      std::string bytes;
-      append_little_endian(bytes, static_cast<std::uint64_t>(count * size));
-      for (std::size_t i = 0; i < count; ++i) {
-        append(bytes, i);
-        if (bytes.size() < (1 << 16)) continue;
-        file.write(bytes);
-        bytes.clear();
-      }
-      file.write(bytes);
-    });
+    xml("<DataArray type=\"" + std::string(type) + "\" " + attributes + " format=\"binary\">\n");
+    Base64 out(file_);
+    std::string bytes;
+    append_little_endian(bytes, static_cast<std::uint64_t>(count * size));
+    for (std::size_t i = 0; i < count; ++i) {
+      append(bytes, i);
+      if (bytes.size() >= (1 << 14)) out.add(bytes);
+    }
+    out.finish(bytes);
+    xml("\n</DataArray>\n");
   }
 
   void commit() {
-    xml_ += "</" + kind_ + ">\n<AppendedData encoding=\"raw\">\n_";
-    file_.write(xml_);
-    for (const auto& block : blocks_) block(file_);
-    file_.write("\n</AppendedData>\n</VTKFile>\n");
+    xml("</" + kind_ + ">\n</VTKFile>\n");
     file_.commit();
   }
 
  private:
   AtomicFile file_;
-  std::string kind_, xml_;
-  std::uint64_t offset_ = 0;
-  std::vector<std::function<void(AtomicFile&)>> blocks_;
+  std::string kind_;
 };
 
 void describe_time(VtkFile& file, const FieldSet& fields) {

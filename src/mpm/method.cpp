@@ -28,8 +28,16 @@ constexpr Need positive{"functions that are nowhere negative: linear ones or spl
 constexpr Need products{"functions that are products of those of the axes: point particles",
                         "domain", [](const Method& m, int) { return m.domain == Domain::point; }};
 constexpr Need own_gradients{"gradients that are those of the functions: a linear or spline basis",
-                             "basis",
-                             [](const Method& m, int) { return m.basis != Basis::mls_bspline2; }};
+                             "basis", [](const Method& m, int) {
+                               return m.basis != Basis::mls_bspline2 && !is_through_cells(m.basis);
+                             }};
+constexpr Need every_node{"functions that see every nodal value: not means over cells", "basis",
+                          [](const Method& m, int) { return !is_through_cells(m.basis); }};
+constexpr Need through_cells{"functions through the cells: cell_linear or cell_bspline2", "basis",
+                             [](const Method& m, int) { return is_through_cells(m.basis); }};
+constexpr Need whole_cells{
+    "splines up to the faces: corrected or extra_column", "spline_border",
+    [](const Method& m, int) { return m.border != SplineBorder::linear_cells; }};
 constexpr Need plane{"a problem in 2-D; q9 is for any dimension", "",
                      [](const Method&, int dimension) { return dimension == 2; }};
 constexpr Need particle_mass{
@@ -72,8 +80,9 @@ constexpr Choice choices<Domain>[] = {{"point"},
                                       {"cpdi1", {&linear_basis}},
                                       {"cpdi2", {&linear_basis}}};
 template <>
-constexpr Choice choices<Basis>[] = {{"linear"},   {"q8", {&plane}}, {"q9"},
-                                     {"bspline2"}, {"bspline3"},     {"mls_bspline2"}};
+constexpr Choice choices<Basis>[] = {{"linear"},      {"q8", {&plane}}, {"q9"},
+                                     {"bspline2"},    {"bspline3"},     {"mls_bspline2"},
+                                     {"cell_linear"}, {"cell_bspline2"}};
 template <>
 constexpr Choice choices<VelocityMap>[] = {
     {"mass_weighted", {&same_points}},
@@ -91,6 +100,7 @@ constexpr Choice choices<Quadrature>[] = {
     {"nodal_cells", {&linear_basis, &point_domain}},
     {"taylor_cells", {&point_domain, &positive, &own_gradients}},
     {"gauss_cells", {&point_domain, &positive, &own_gradients}},
+    {"adjoint_cells", {&through_cells, &whole_cells}},
 };
 template <>
 constexpr Choice choices<Update>[] = {{"flip"},
@@ -99,8 +109,8 @@ constexpr Choice choices<Update>[] = {{"flip"},
                                       {"fmpm", {&particle_mass, &lumped}},
                                       {"runge_kutta", {&lumped, &no_corners}}};
 template <>
-constexpr Choice choices<MassMatrix>[] = {{"lumped"},
-                                          {"consistent", {&same_points, &mass_weighted}}};
+constexpr Choice choices<MassMatrix>[] = {
+    {"lumped"}, {"consistent", {&same_points, &mass_weighted, &every_node}}};
 template <>
 constexpr Choice choices<StressUpdate>[] = {
     {"last"}, {"first", {&own_velocity}}, {"musl", {&own_velocity}}};
@@ -137,9 +147,12 @@ void Method::validate(int dimension) const {
           highest == 3 ? "must be 1, 2 or 3" : "must be 1 or 2; 3 needs the velocity map imls");
   require(order >= 1 && order <= 1000, "order of the method", order, "must be from 1 to 1000");
   require(blend >= 0 && blend <= 1, "blend of the method", blend, "must be from 0 to 1");
+  require(blend_rate >= 0 && std::isfinite(blend_rate), "blend_rate of the method", blend_rate,
+          "must be finite and not negative");
   choices([&](const std::string& key, auto value) {
     Needs needs = needs_of(value);
-    if (key == "blend" && blend != 0) needs = {&flip_update};
+    if ((key == "blend" && blend != 0) || (key == "blend_rate" && blend_rate != 0))
+      needs = {&flip_update};
     for (const Need* need : needs) {
       if (!need || need->met(*this, dimension)) continue;
       std::string rule = std::string("needs ") + need->text;
@@ -199,6 +212,19 @@ std::span<const Method> methods() {
        .update = fmpm,
        .source = "Nairn, Hammerquist 2021",
        .order = 4},
+      {.name = "affine_cpdi",
+       .domain = cpdi1,
+       .velocity = affine,
+       .source = "after Wallstedt, Guilkey 2007; Jiang et al. 2015; Fei et al. 2021",
+       .blend = 0.05},
+      {.name = "affine_cpdi2",
+       .domain = cpdi2,
+       .velocity = affine,
+       .source = "after Wallstedt, Guilkey 2007; Jiang et al. 2015; Fei et al. 2021",
+       .blend = 0.05},
+      {"sgmp", point, cell_linear, mass_weighted, particles, flip, "Liang, Zhang, Liu 2019"},
+      {"impm_adjoint", point, cell_bspline2, affine, adjoint_cells, flip,
+       "after Gong 2015, chapter 5; Liang, Zhang, Liu 2019"},
   };
   return table;
 }

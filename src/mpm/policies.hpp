@@ -166,18 +166,30 @@ struct Policies {
   std::unique_ptr<const UpdatePolicy<D>> update;
 };
 
+// Writes S and G of a particle, and returns its volume: its own, or those with which it stands for
+// cells where the quadrature says so.
+template <int D, class Shape, class At>
+double functions_of(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>& nodes,
+                    const Shape& shape_of, std::size_t p, At& shape) {
+  const double volume = shape_of.shape(problem.grid, particles, p, shape);
+  if constexpr (requires { shape_of.functions.cell_degree; })
+    if (!nodes.weights.empty())
+      return nodes.weights.gradients(problem.grid, particles.x[p], volume, shape);
+  return volume;
+}
+
 // Calls each(p, shape, scratch) for all particles, with the functions that they see the grid by and
 // one Scratch for each block of them, and done(begin, end) after each block.
 template <class Scratch, int D, class Shape, class Each, class Done>
-void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, const Shape& shape_of,
-                    const Each& each, const Done& done) {
+void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>& nodes,
+                    const Shape& shape_of, const Each& each, const Done& done) {
   // Flattened: with so many shapes the compiler runs out of what it inlines.
   parallel_blocks(particles.size(), particles_per_block, problem.threads,
                   [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
                     typename Shape::template Nodes<D> shape;
                     Scratch scratch;
                     for (std::size_t p = begin; p < end; ++p) {
-                      shape_of.shape(problem.grid, particles, p, shape);
+                      functions_of(problem, particles, nodes, shape_of, p, shape);
                       each(p, shape, scratch);
                     }
                     done(begin, end);

@@ -214,12 +214,33 @@ class CellQuadrature : public QuadraturePolicy<D> {
   }
 };
 
+// Particles stand for the cells: nothing is summed here, but their gradients and volumes are those
+// of the cells from now on (functions_of() in policies.hpp).
+template <int D>
+class AdjointCells : public QuadraturePolicy<D> {
+ public:
+  using QuadraturePolicy<D>::QuadraturePolicy;
+
+  FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>&, Cells<D>& cells,
+                           Nodes<D>& nodes) const override {
+    const Problem<D>& problem = this->problem_;
+    std::vector<double> volumes(s.particles.size());
+    for (std::size_t p = 0; p < volumes.size(); ++p) volumes[p] = s.particles.volume(p);
+    nodes.weights.fill(problem.grid, problem.method.basis == Basis::cell_linear ? 1 : 2,
+                       s.particles.x, volumes, problem.threads);
+    cells.fill = nodes.weights.fitted();
+    return {};
+  }
+};
+
 }  // namespace
 
 template <int D>
 std::unique_ptr<const QuadraturePolicy<D>> make_quadrature(const Problem<D>& problem) {
   if (problem.method.quadrature == Quadrature::particles)
     return std::make_unique<QuadraturePolicy<D>>(problem);
+  if (problem.method.quadrature == Quadrature::adjoint_cells)
+    return std::make_unique<AdjointCells<D>>(problem);
   return std::make_unique<CellQuadrature<D>>(problem);
 }
 

@@ -51,7 +51,7 @@ class RungeKutta : public UpdatePolicy<D> {
         rates[p].F = rates[p].L * particles.F[p];
         sum[p].add(weight, rates[p]);
       };
-      for_each_shape<None>(this->problem_, particles, shape_of, each,
+      for_each_shape<None>(this->problem_, particles, nodes, shape_of, each,
                            [](std::size_t, std::size_t) {});
     });
   }

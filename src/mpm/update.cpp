@@ -30,7 +30,7 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
   Particles<D>& particles = s.particles;
   const Grid<D>& grid = problem.grid;
   const Method& method = problem.method;
-  const double pic = method.update == Update::flip ? method.blend : 1;  // part of it in v_p
+  const double pic = method.pic_part(from.kick);
   const std::size_t modes = mode_count(method.velocity, D);
   const auto each = [&](std::size_t p, const auto& shape, ParticleModes<D, Shape>& of) {
     if (parts.strain) particles.L[p] = shape.gradient(from.straining, trusted);
@@ -51,7 +51,7 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
     particles.x[p] += dt * v;
     shape_of.move(grid, particles, p, from.carried, dt);
   };
-  for_each_shape<ParticleModes<D, Shape>>(problem, particles, shape_of, each,
+  for_each_shape<ParticleModes<D, Shape>>(problem, particles, nodes, shape_of, each,
                                           [&](std::size_t begin, std::size_t end) {
                                             if (parts.strain) strain(problem, begin, end, dt, s);
                                             if (parts.position)

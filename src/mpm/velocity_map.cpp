@@ -42,7 +42,7 @@ struct Scatter {
   void add(std::size_t p, Scratch& scratch) const {
     if (from.leaves_out(grid, particles.x[p])) return;
     auto& shape = scratch.shape;
-    const double volume = shape_of.shape(grid, particles, p, shape);
+    const double volume = functions_of(problem, particles, nodes, shape_of, p, shape);
     if (map != VelocityMap::taylor && modes == 0) {
       const Vector<D> v = particles.v[p];
       return spread(p, volume, shape, [&](std::size_t) -> const Vector<D>& { return v; });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/all_targets.hpp"
 #include "neighbourhood/find_with_index.hpp"
 #include "recon/core/parallel.hpp"
@@ -214,7 +215,7 @@ void Cloud<Scalar>::forget_buffers() const {
   with_kept([](auto& kept) { kept.index.forget_buffers(); });
 }
 
-template class Cloud<float>;
+RECON_FLOAT(template class Cloud<float>;)
 template class Cloud<double>;
 
 }  // namespace detail
@@ -249,7 +250,7 @@ std::span<const std::uint32_t> BasicSources<Scalar>::order() const {
   return cloud_->caller_of();
 }
 
-template class BasicSources<float>;
+RECON_FLOAT(template class BasicSources<float>;)
 template class BasicSources<double>;
 
 namespace {
@@ -278,9 +279,11 @@ NeighbourList<double> find_neighbours(const Sources& sources, const PointsView<d
                                       const NeighbourRule& rule, const NeighbourOptions& options) {
   return neighbours_of(sources, targets, rule, options);
 }
+#ifndef RECON_DOUBLE_ONLY
 NeighbourList<float> find_neighbours(const SourcesF& sources, const PointsView<float>& targets,
                                      const NeighbourRule& rule, const NeighbourOptions& options) {
   return neighbours_of(sources, targets, rule, options);
 }
+#endif
 
 }  // namespace recon

@@ -101,9 +101,9 @@ NeighbourList<Scalar> find_neighbours(const PointCloud<Scalar>& particles,
   return list;
 }
 
-template NeighbourList<float> find_neighbours(const PointCloud<float>&, const PointCloud<float>&,
-                                              const NeighbourRule&, const PeriodicDomain<float>&,
-                                              const NeighbourOptions&);
+RECON_FLOAT(template NeighbourList<float> find_neighbours(
+                const PointCloud<float>&, const PointCloud<float>&, const NeighbourRule&,
+                const PeriodicDomain<float>&, const NeighbourOptions&);)
 template NeighbourList<double> find_neighbours(const PointCloud<double>&, const PointCloud<double>&,
                                                const NeighbourRule&, const PeriodicDomain<double>&,
                                                const NeighbourOptions&);

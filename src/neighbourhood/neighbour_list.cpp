@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "recon/neighbourhood/support_tensor.hpp"
 
 namespace recon {
@@ -75,7 +76,7 @@ void NeighbourList<Scalar>::validate(std::size_t target_count, std::size_t parti
           "support_factor of the neighbours", support_factor, "must be 0 where there are tensors");
 }
 
-template struct NeighbourList<float>;
+RECON_FLOAT(template struct NeighbourList<float>;)
 template struct NeighbourList<double>;
 
 }  // namespace recon

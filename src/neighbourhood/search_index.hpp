@@ -105,7 +105,7 @@ class SearchIndex {
   }
 
   std::shared_ptr<const KdTree<S, D>> kd_tree() {
-    const auto tree = kept(kd_tree_);
+    auto tree = kept(kd_tree_);
     has_tree_ = true;
     return tree;
   }

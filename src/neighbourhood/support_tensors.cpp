@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/instantiate.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/neighbourhood/pair_supports.hpp"
@@ -230,7 +231,7 @@ void add_support_tensors(const PairEllipsoids& rule, int dimension, int threads,
   template void require_packed_tensors(const Array<S>&, int, const std::string&);                  \
   template void add_support_tensors(const Ellipsoids&, int, int, NeighbourList<S>&);               \
   template void add_support_tensors(const PairEllipsoids&, int, int, NeighbourList<S>&)
-RECON_INSTANTIATE(float);
+RECON_FLOAT(RECON_INSTANTIATE(float);)
 RECON_INSTANTIATE(double);
 #undef RECON_INSTANTIATE
 template HalfAxes half_axes(const SymmetricTensor<1>&);

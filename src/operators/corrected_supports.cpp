@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/instantiate.hpp"
 #include "operators/far_targets.hpp"
 #include "operators/fit_problem.hpp"
 #include "operators/list_rows.hpp"
@@ -129,7 +130,7 @@ void FitProblem<Scalar>::use_nearest(const NeighbourOptions& search) {
   template void FitProblem<S>::mark_too_far(bool, const NeighbourOptions&);         \
   template bool FitProblem<S>::grow(const NeighbourRule&, const NeighbourOptions&); \
   template void FitProblem<S>::use_nearest(const NeighbourOptions&)
-RECON_INSTANTIATE(float);
+RECON_FLOAT(RECON_INSTANTIATE(float);)
 RECON_INSTANTIATE(double);
 #undef RECON_INSTANTIATE
 

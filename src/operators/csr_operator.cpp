@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/cloud.hpp"
 #include "operators/product.hpp"
 #include "recon/core/error.hpp"
@@ -305,9 +306,9 @@ typename CsrOperator<Scalar>::Matrix CsrOperator<Scalar>::apply_transpose(
   return out;
 }
 
-template struct SparsityPattern<float>;
+RECON_FLOAT(template struct SparsityPattern<float>;)
 template struct SparsityPattern<double>;
-template class CsrOperator<float>;
+RECON_FLOAT(template class CsrOperator<float>;)
 template class CsrOperator<double>;
 
 }  // namespace recon

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/instantiate.hpp"
 #include "operators/list_rows.hpp"
 #include "recon/core/parallel.hpp"
 
@@ -206,7 +207,7 @@ std::vector<std::size_t> far_targets(const Cloud<Scalar>& cloud, const PointClou
   template std::vector<std::size_t> far_targets(const Cloud<S>&, const PointCloud<S>&, \
                                                 const NeighbourList<S>&, double, bool, \
                                                 const NeighbourOptions&)
-RECON_INSTANTIATE(float);
+RECON_FLOAT(RECON_INSTANTIATE(float);)
 RECON_INSTANTIATE(double);
 #undef RECON_INSTANTIATE
 

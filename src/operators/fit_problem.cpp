@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/instantiate.hpp"
 #include "operators/far_targets.hpp"
 #include "operators/list_rows.hpp"
 #include "operators/search_options.hpp"
@@ -362,7 +363,7 @@ Array<Scalar> FitProblem<Scalar>::functionals(std::span<const OwnFunctional::Act
   return values;
 }
 
-template class FitProblem<float>;
+RECON_FLOAT(template class FitProblem<float>;)
 template class FitProblem<double>;
 
 }  // namespace recon::detail

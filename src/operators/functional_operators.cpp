@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "core/instantiate.hpp"
 #include "operators/fit_problem.hpp"
 #include "recon/operators/reconstruct.hpp"
 
@@ -126,7 +127,7 @@ std::vector<CsrOperator<Scalar>> BasicReconstruction<Scalar>::operators_of(
 #define RECON_INSTANTIATE(S)                                                 \
   template std::vector<CsrOperator<S>> BasicReconstruction<S>::operators_of( \
       std::span<const detail::ComponentFunctional>) const
-RECON_INSTANTIATE(float);
+RECON_FLOAT(RECON_INSTANTIATE(float);)
 RECON_INSTANTIATE(double);
 #undef RECON_INSTANTIATE
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "neighbourhood/cloud.hpp"
 #include "operators/search_options.hpp"
 #include "recon/core/parallel.hpp"
@@ -203,8 +204,8 @@ CsrOperator<Scalar> kernel_operator(const BasicSources<Scalar>& sources,
   return CsrOperator<Scalar>(std::move(pattern), std::move(values), 1, Scalar(0), options.threads);
 }
 
-template CsrOperator<float> kernel_operator(const SourcesF&, const PointsView<float>&,
-                                            const KernelOptions&);
+RECON_FLOAT(template CsrOperator<float> kernel_operator(const SourcesF&, const PointsView<float>&,
+                                                        const KernelOptions&);)
 template CsrOperator<double> kernel_operator(const Sources&, const PointsView<double>&,
                                              const KernelOptions&);
 

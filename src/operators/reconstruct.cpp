@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/instantiate.hpp"
 #include "operators/fit_problem.hpp"
 #include "operators/list_rows.hpp"
 #include "recon/core/parallel.hpp"
@@ -223,7 +224,7 @@ int BasicReconstruction<Scalar>::dimension() const {
   return problem_->dimension();
 }
 
-template class BasicReconstruction<float>;
+RECON_FLOAT(template class BasicReconstruction<float>;)
 template class BasicReconstruction<double>;
 
 }  // namespace recon

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "operators/product.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
@@ -170,7 +171,7 @@ typename VectorOperator<Scalar>::Matrix VectorOperator<Scalar>::apply_transpose(
   return out;
 }
 
-template class VectorOperator<float>;
+RECON_FLOAT(template class VectorOperator<float>;)
 template class VectorOperator<double>;
 
 }  // namespace recon

@@ -1,4 +1,5 @@
 #include "recon/points/domain.hpp"
+#include "core/instantiate.hpp"
 
 #include <string>
 
@@ -27,7 +28,7 @@ Box<Scalar> bounding_box(const PointsView<Scalar>& points, const char* name) {
   return box;
 }
 
-template Box<float> bounding_box(const PointsView<float>&, const char*);
+RECON_FLOAT(template Box<float> bounding_box(const PointsView<float>&, const char*);)
 template Box<double> bounding_box(const PointsView<double>&, const char*);
 
 }  // namespace recon

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "recon/core/parallel.hpp"
 
 namespace recon {
@@ -103,7 +104,7 @@ PointCloud<Scalar> PointCloud<Scalar>::permuted(std::span<const std::uint32_t> o
   return out;
 }
 
-template class PointCloud<float>;
+RECON_FLOAT(template class PointCloud<float>;)
 template class PointCloud<double>;
 
 }  // namespace recon

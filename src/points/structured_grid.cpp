@@ -1,4 +1,5 @@
 #include "recon/points/structured_grid.hpp"
+#include "core/instantiate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -102,10 +103,10 @@ StructuredGrid<Scalar> covering_grid(const Box<Scalar>& box, Scalar spacing,
   return grid;
 }
 
-template struct StructuredGrid<float>;
+RECON_FLOAT(template struct StructuredGrid<float>;)
 template struct StructuredGrid<double>;
-template StructuredGrid<float> covering_grid(const Box<float>&, float,
-                                             const PeriodicDomain<float>&);
+RECON_FLOAT(template StructuredGrid<float> covering_grid(const Box<float>&, float,
+                                                         const PeriodicDomain<float>&);)
 template StructuredGrid<double> covering_grid(const Box<double>&, double,
                                               const PeriodicDomain<double>&);
 

@@ -13,8 +13,10 @@ using detail::throw_invalid;
 
 ReadOptions read_options(int frame, std::optional<std::int64_t> step, std::optional<double> time,
                          std::optional<std::vector<std::string>> columns, std::size_t skip_rows,
-                         std::optional<std::vector<std::string>> missing) {
+                         std::optional<std::vector<std::string>> missing,
+                         const std::string& group = "") {
   ReadOptions options;
+  options.group = group;
   options.frame = frame;
   options.step = step;
   options.time = time;
@@ -201,18 +203,20 @@ for points wherever these are asked for.)")
                ">";
       });
 
-  m.def("read_particles",
-        [](const std::filesystem::path& path, int frame, std::optional<std::int64_t> step,
-           std::optional<double> time, std::optional<std::vector<std::string>> columns,
-           std::size_t skip_rows, std::optional<std::vector<std::string>> missing) {
-          const ReadOptions options =
-              read_options(frame, step, time, std::move(columns), skip_rows, std::move(missing));
-          const py::gil_scoped_release release;
-          return std::make_shared<ParticleTable>(read_particles(path, options));
-        });
+  m.def("read_particles", [](const std::filesystem::path& path, int frame,
+                             std::optional<std::int64_t> step, std::optional<double> time,
+                             std::optional<std::vector<std::string>> columns, std::size_t skip_rows,
+                             std::optional<std::vector<std::string>> missing,
+                             const std::string& group) {
+    const ReadOptions options =
+        read_options(frame, step, time, std::move(columns), skip_rows, std::move(missing), group);
+    const py::gil_scoped_release release;
+    return std::make_shared<ParticleTable>(read_particles(path, options));
+  });
   m.def("list_frames", [](const std::filesystem::path& path,
-                          std::optional<std::vector<std::string>> columns, std::size_t skip_rows) {
-    const ReadOptions options = read_options(-1, {}, {}, std::move(columns), skip_rows, {});
+                          std::optional<std::vector<std::string>> columns, std::size_t skip_rows,
+                          const std::string& group) {
+    const ReadOptions options = read_options(-1, {}, {}, std::move(columns), skip_rows, {}, group);
     std::vector<FrameInfo> frames;
     {
       const py::gil_scoped_release release;
@@ -227,14 +231,14 @@ for points wherever these are asked for.)")
       R"(All frames of a file in one pass, with the memory of one: an iterator of ParticleTable.)")
       .def(py::init([](const std::filesystem::path& path,
                        std::optional<std::vector<std::string>> columns, std::size_t skip_rows,
-                       std::optional<std::vector<std::string>> missing) {
+                       std::optional<std::vector<std::string>> missing, const std::string& group) {
              const ReadOptions options =
-                 read_options(-1, {}, {}, std::move(columns), skip_rows, std::move(missing));
+                 read_options(-1, {}, {}, std::move(columns), skip_rows, std::move(missing), group);
              const py::gil_scoped_release release;
              return std::unique_ptr<PyFrames>(new PyFrames{FrameReader(path, options), {}});
            }),
            py::arg("path"), py::kw_only(), py::arg("columns") = py::none(),
-           py::arg("skip_rows") = 0, py::arg("missing") = py::none())
+           py::arg("skip_rows") = 0, py::arg("missing") = py::none(), py::arg("group") = "")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__",
            [](PyFrames& frames) {

@@ -33,6 +33,8 @@ double bytes_of_node(const Method& method) {
     const double columns = D + (is_cell(method.quadrature) ? 1 + D * (D + 1) / 2 : 0);
     bytes += value * (moments + columns * (terms + 1)) + sizeof(FitReport) + sizeof(std::uint32_t);
   }
+  if (method.quadrature == Quadrature::adjoint_cells)  // moments, and rows of least squares
+    bytes += value * (D + 1) * (D + 2);
   if (method.mass == MassMatrix::consistent)  // the matrix, and its factor with some fill-in
     bytes += std::pow(method.basis == Basis::linear ? 3 : 7, D) * 3 * (value + 4);
   return bytes;

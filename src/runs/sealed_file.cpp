@@ -11,15 +11,12 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
-#include <mutex>
 #include <vector>
 
 #include "recon/io/error.hpp"
 
 namespace recon::mpm {
 namespace {
-
-std::mutex hdf5_mutex;
 
 // ---- bytes of a descriptor ---------------------------------------------------------------------
 // 0 or errno.
@@ -191,17 +188,6 @@ bool seal_of(int descriptor, std::array<char, seal_size>& seal) {
 }
 
 }  // namespace
-
-QuietHdf5::QuietHdf5() {
-  hdf5_mutex.lock();
-  H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-QuietHdf5::~QuietHdf5() {
-  H5Eset_auto2(H5E_DEFAULT, print_, data_);
-  hdf5_mutex.unlock();
-}
 
 hid_t create_hdf5(int descriptor, int& error) {
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);

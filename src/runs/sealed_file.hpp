@@ -16,39 +16,14 @@
 #include <filesystem>
 #include <string>
 
+#include "io/hdf5.hpp"
+
 namespace recon::mpm {
 
 constexpr std::uint64_t seal_size = 512;  // a size that HDF5 allows for a user block
 
-// An HDF5 handle that closes itself.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0) close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-// While an object lives, the HDF5 library does not print, and is locked: it does not bear
-// several threads.
-class QuietHdf5 {
- public:
-  QuietHdf5();
-  ~QuietHdf5();
-  QuietHdf5(const QuietHdf5&) = delete;
-  QuietHdf5& operator=(const QuietHdf5&) = delete;
-
- private:
-  H5E_auto2_t print_ = nullptr;
-  void* data_ = nullptr;
-};
+using detail::Handle;
+using detail::QuietHdf5;
 
 // A new file that HDF5 writes to an open descriptor, behind the place of the seal. HDF5 1.10
 // crashes after a write that failed, so failures are hidden from it: `error` keeps the first errno,

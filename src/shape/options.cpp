@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/instantiate.hpp"
 #include "recon/basis/monomials.hpp"
 
 namespace recon {
@@ -77,7 +78,7 @@ Options Options::for_grid(const StructuredGrid<Scalar>& grid) const {
   return all;
 }
 
-template Options Options::for_grid(const StructuredGrid<float>&) const;
+RECON_FLOAT(template Options Options::for_grid(const StructuredGrid<float>&) const;)
 template Options Options::for_grid(const StructuredGrid<double>&) const;
 
 }  // namespace recon

@@ -28,6 +28,20 @@ const std::string tilted_dump =
 const std::string small_csv =
     "% made by hand\n\"x\",y,\"p \"\"q\"\" [Pa]\",kind\n1,2,3.5,a\n\n# b\n2,,1e-3,b\n\"4\",5,6,c\n";
 
+const std::string small_xyz =
+    "2\nLattice=\"4 0 0 0.5 5 0 0 0 6\" pbc=\"T F T\" Properties=species:S:1:pos:R:3:fixed:L:1 "
+    "Time=0.5\nFe -1 2 3 T\nO 1 2.5 4 F\n1\nplain\nH 0 0 0\n";
+const std::string small_vtk =
+    "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 1 1 0 1\n"
+    "VERTICES 1 3\n2 0 1\nPOINT_DATA 2\nSCALARS p int 2\nLOOKUP_TABLE default\n1 2 3 4\n"
+    "FIELD f 1\nq 1 2 bit\n0 1\n";
+const std::string small_vtu =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\">\n"
+    "<UnstructuredGrid><Piece NumberOfPoints=\"2\"><PointData><DataArray type=\"Int32\" Name=\"a\" "
+    "format=\"binary\">CAAAAAkAAAAKAAAA</DataArray></PointData><Points><DataArray type=\"Float32\" "
+    "NumberOfComponents=\"3\" format=\"ascii\">2 0 0 3 0 0</DataArray></Points></Piece>"
+    "</UnstructuredGrid></VTKFile>\n";
+
 TEST(Read, GzipIsUndone) {
   const TemporaryFolder folder;
   const auto path = folder.gzip("a.txt", "x,y\n1,2\n");  // by content, not by name
@@ -97,8 +111,7 @@ TEST(Read, ForeignFiles) {
     expect_file_error([&] { read_particles(folder.file("a", text)); }, line, part);
   };
   expect("", 0, "is empty");
-  expect("<?xml version=\"1.0\"?>\n", 0, "ParaView");
-  expect("# vtk DataFile Version 3.0\n", 0, "ParaView");
+  expect("<?xml version=\"1.0\"?>\n<html>", 0, "no VTK file");
   expect("BZh91AY", 0, "bzip2");
   expect("\x28\xb5\x2f\xfd rest", 0, "zstd");
   expect("LAMMPS data file via write_data\n\n3000 atoms\n", 1, "write_dump");
@@ -129,7 +142,8 @@ void read_all(const std::string& bytes) {
 TEST(Read, SurvivesDamage) {
   std::mt19937 random(7);
   const std::string letters = "0123456789 \n\t\r,;\"#.eE+-ITEM:naf\xff\x01";
-  for (const std::string& valid : {small_dump, tilted_dump, small_csv}) {
+  for (const std::string& valid :
+       {small_dump, tilted_dump, small_csv, small_xyz, small_vtk, small_vtu}) {
     for (std::size_t length = 0; length <= valid.size(); ++length)
       read_all(valid.substr(0, length));
     for (int round = 0; round < 300; ++round) {

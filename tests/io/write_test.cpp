@@ -186,7 +186,7 @@ TEST(VtkSamples, Write) {
   recon::write_vtp(folder / "flat.vtp", recon::points_of(x, y), {});
   for (const char* name :
        {"grid.vti", "plane.vti", "points.vtp", "none.vtp", "flat.vtp", "line.vtp"})
-    EXPECT_TRUE(bytes_of(folder / name).ends_with("\n</AppendedData>\n</VTKFile>\n")) << name;
+    EXPECT_TRUE(bytes_of(folder / name).ends_with("Data>\n</VTKFile>\n")) << name;
 }
 
 }  // namespace

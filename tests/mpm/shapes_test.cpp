@@ -65,8 +65,8 @@ TYPED_TEST(Shapes, SeeTheNodesThatTheyAnnounce) {
     particles.F.back() = (p % 7 == 0 ? 8.0 : 1.0) * random_deformation<D>(random, 0.3);
     particles.corners.push_back(particles.domain(particles.size() - 1));
   }
-  for (const char* name :
-       {"mpm", "ugimp", "cpgimp", "cpdi1", "cpdi2", "bspline2", "bspline3", "q9"})
+  for (const char* name : {"mpm", "ugimp", "cpgimp", "cpdi1", "cpdi2", "bspline2", "bspline3", "q9",
+                           "sgmp", "impm_adjoint"})
     with_shape(method_named(name), [&](auto policy) {
       typename decltype(policy)::template Nodes<D> shape;
       for (std::size_t p = 0; p < particles.size(); ++p) {

@@ -139,6 +139,34 @@ TEST(Blends, AreMeansBetween) {
   }
 }
 
+// A rate takes as much in a time whatever the steps: of what FLIP keeps and PIC does not see, here all
+// velocities of particles in pairs that cancel, exp(-rate t) is left, after the first kick of half a
+// step as well. With both the parts that are left multiply.
+TEST(Blends, MayBeRates) {
+  const double rate = 3, end = 0.5;
+  const auto left = [&](int steps, const std::string& choices) {
+    Problem<1> problem;
+    problem.grid = Grid<1>(Vector<1>(0.0), Vector<1>(1.0), 0.25);
+    problem.materials = {NeoHookean{Lame{0, 0.5}}};
+    problem.densities = {1};
+    problem.method = composed("mpm+blend_rate=3" + choices);
+    for (const double sign : {-1.0, 1.0}) {  // at one place
+      problem.particles.add(Vector<1>(0.4), Matrix<1>(0.05), 1, 0);
+      problem.particles.v.back()[0] = sign;
+    }
+    Simulation<1> simulation(problem);
+    for (int s = 0; s < steps; ++s) simulation.step(end / steps);
+    EXPECT_NEAR(simulation.particles().v[0][0], -simulation.particles().v[1][0], 1e-14);
+    return simulation.particles().v[1][0];
+  };
+  for (const int steps : {5, 10, 40}) {
+    const double felt = end - end / steps / 2;
+    EXPECT_NEAR(left(steps, ""), std::exp(-rate * felt), 1e-13);
+    EXPECT_NEAR(left(steps, "+blend=0.1"), std::exp(-rate * felt) * std::pow(0.9, steps), 1e-13);
+  }
+  EXPECT_EQ(left(5, "+blend=1"), 0);
+}
+
 // Velocities that are half a step older make the same motion: the first kick of leapfrog after a
 // step of the same length is a whole one.
 TEST(Schemes, EulerIsLeapfrogFromAnotherStart) {

@@ -668,13 +668,20 @@ std::vector<double> numbers_of(const std::string& vtk, const std::string& name, 
   const std::size_t at =
       vtk.find("Name=\"" + name + "\" NumberOfComponents=\"" + std::to_string(components) + "\"");
   if (at == std::string::npos) return {};
-  const std::size_t offset = std::stoul(vtk.substr(vtk.find("offset=\"", at) + 8));
-  const std::size_t start = vtk.find("<AppendedData");
-  const char* data = vtk.data() + vtk.find('_', start) + 1 + offset;
+  // Base64 of the length in bytes, and of the numbers.
+  std::string data;
+  std::uint32_t bits = 0;
+  int letters = 0;
+  for (std::size_t i = vtk.find(">\n", at) + 2; vtk[i] != '\n' && vtk[i] != '='; ++i) {
+    constexpr std::string_view alphabet =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    bits = bits << 6 | static_cast<std::uint32_t>(alphabet.find(vtk[i]));
+    if (letters++ % 4 != 0) data += static_cast<char>(bits >> (6 - 2 * ((letters - 1) % 4)) & 0xff);
+  }
   std::uint64_t bytes = 0;
-  std::memcpy(&bytes, data, sizeof bytes);
+  std::memcpy(&bytes, data.data(), sizeof bytes);
   std::vector<double> values(bytes / sizeof(double));
-  std::memcpy(values.data(), data + sizeof bytes, bytes);
+  std::memcpy(values.data(), data.data() + sizeof bytes, bytes);
   return values;
 }
 

@@ -64,6 +64,8 @@ TYPED_TEST(Domains, ReproduceLinearFields) {
     check(SplineFunctions<2>{}, x, "bspline2");
     check(SplineFunctions<3>{}, x, "bspline3");
     check(MomentSplineFunctions{}, x, "bspline2 by moments");
+    check(CellFunctions<1>{}, x, "cell_linear");
+    check(CellFunctions<2>{}, x, "cell_bspline2");
     check(GimpFunctions{}, ugimp_domain<D>(x, H), "ugimp");
     check(GimpFunctions{}, cpgimp_domain<D>(x, H, F), "cpgimp");
     const ParallelepipedDomain<D> deformed{x, F * H};

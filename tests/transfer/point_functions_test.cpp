@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "recon/transfer/cells.hpp"
 #include "recon/weights/weight.hpp"
 #include "support/space.hpp"
 
@@ -92,6 +93,8 @@ TYPED_TEST(Bases, NodesWithASlopeHaveAValueOnEdges) {
   check(LinearFunctions{}, "linear");
   check(SplineFunctions<2>{}, "bspline2");
   check(SplineFunctions<3>{}, "bspline3");
+  check(CellFunctions<1>{}, "cell_linear");
+  check(CellFunctions<2>{}, "cell_bspline2");
 }
 
 // Also where the grid is as small as it can be: a spline on one cell is linear there.
@@ -105,6 +108,54 @@ TYPED_TEST(Bases, OneCellIsEnoughForSplines) {
         cubic(SplineFunctions<3>{}, grid, x);
     EXPECT_LE((quadratic.S - linear.S).norm() + (cubic.S - linear.S).norm(), rounding);
     EXPECT_LE((quadratic.G - linear.G).norm() + (cubic.G - linear.G).norm(), 10 * rounding);
+    const Functions one(CellFunctions<1>{}, grid, x), two(CellFunctions<2>{}, grid, x);
+    EXPECT_LE((one.S - linear.S).norm() + (two.S - linear.S).norm(), rounding);
+    EXPECT_LE((one.G - linear.G).norm() + (two.G - linear.G).norm(), 10 * rounding);
+  }
+}
+
+// S_i = sum_c k_c N_i(x_c) and G_i = sum_c k_c grad N_i(x_c), with the tensor B-spline k about the
+// centres of cells, where no cell beyond a face counts (Liang, Zhang, Liu 2019).
+TYPED_TEST(Bases, CellFunctionsGoThroughTheCells) {
+  constexpr int D = TypeParam::value;
+  const CartesianGrid<D> grid = unit_grid<D>(6);
+  const double h = grid.h();
+  std::mt19937 random(15);
+  const auto check = [&](const auto& policy, const auto& spline, double support, double middle) {
+    for (int round = 0; round < 30; ++round) {
+      const SpaceVector<D> x = random_point<D>(random, h + 1e-9, 1 - h - 1e-9);
+      const Functions at(policy, grid, x);
+      Functions<D> sum(LinearFunctions{}, grid, x);
+      sum.S.setZero();
+      sum.G.setZero();
+      for (std::size_t c = 0; c < grid.cell_count(); ++c) {
+        const SpaceVector<D> centre = cell_corner(grid, c).array() + h / 2;
+        double k = 1;
+        for (int d = 0; d < D; ++d)
+          k *= middle / spline(0.0) * spline(std::abs(x[d] - centre[d]) / (support * h));
+        const Functions linear(LinearFunctions{}, grid, centre);
+        sum.S += k * linear.S;
+        sum.G += k * linear.G;
+      }
+      EXPECT_NEAR(sum.S.sum(), 1, rounding);
+      EXPECT_LE((at.S - sum.S).norm(), rounding);
+      EXPECT_LE((at.G - sum.G).norm() * h, 10 * rounding);
+    }
+  };
+  check(CellFunctions<1>{}, BSpline<1>{}, 1.0, 1.0);
+  check(CellFunctions<2>{}, BSpline<2>{}, 1.5, 0.75);
+}
+
+// On one axis their slopes are those of the spline of one degree more.
+TEST(CellFunctionsOnALine, HaveTheSlopesOfSplines) {
+  const CartesianGrid<1> grid = unit_grid<1>(6);
+  std::mt19937 random(16);
+  for (int round = 0; round < 100; ++round) {
+    const SpaceVector<1> x = random_point<1>(random);
+    const Functions one(CellFunctions<1>{}, grid, x), two(CellFunctions<2>{}, grid, x),
+        quadratic(SplineFunctions<2>{}, grid, x), cubic(SplineFunctions<3>{}, grid, x);
+    EXPECT_LE((one.G - quadratic.G).norm(), 100 * rounding);
+    EXPECT_LE((two.G - cubic.G).norm(), 100 * rounding);
   }
 }
 
@@ -129,6 +180,8 @@ TYPED_TEST(Bases, SplinesArePositiveAndInterpolateAtFaces) {
     };
     check(SplineFunctions<2>{});
     check(SplineFunctions<3>{});
+    check(CellFunctions<1>{});
+    check(CellFunctions<2>{});
   }
 }
 

@@ -56,6 +56,8 @@ void with_functions(const Cloud<D>& cloud, const Work& work) {
   work(SplineFunctions<2>{}, point, "bspline2");
   work(SplineFunctions<3>{}, point, "bspline3");
   work(MomentSplineFunctions{}, point, "bspline2 by moments");
+  work(CellFunctions<1>{}, point, "cell_linear");
+  work(CellFunctions<2>{}, point, "cell_bspline2");
   work(NineNodeFunctions{}, point, "q9");
   if constexpr (D == 2) work(EightNodeFunctions{}, point, "q8");
   work(

@@ -81,6 +81,10 @@ class ParticleTable {
   std::vector<std::string> repeated_names() const;
   // The first text in a column, for example "'Fe' on line 10"; "" where there is none.
   std::string describe_text(std::string_view name) const;
+  // The names of all columns that share theirs with no other, in the order of the source, and the
+  // cells of one that are no numbers.
+  std::vector<std::string> all_names() const;
+  const TextCells& texts(std::string_view name) const;
   // Whether there is a column of this name, whatever it holds.
   bool has(std::string_view name) const { return columns_by_name_.contains(name); }
 
@@ -134,6 +138,11 @@ class ParticleTable {
   // The cell, where one was set and not all its edges are along the axes.
   const std::optional<SimulationCell>& cell() const { return cell_; }
 
+  // The cell or box as three edges in x, y, z, whatever they are, and which of them the source says
+  // to be periodic; nothing without a box.
+  std::optional<SimulationCell> source_cell() const;
+  std::array<bool, max_dimension> periodic_edges() const { return periodic_edges_; }
+
   // The box and the periodic domain in the axes of coordinates(dimension): where these are x and z,
   // the box has these two. Without a box of the source they are the bounding box of the positions,
   // periodic nowhere.
@@ -182,7 +191,7 @@ class ParticleTable {
   std::optional<Box<double>> box_;
   std::optional<SimulationCell> cell_;
   PeriodicDomain<double> periods_;  // along x, y, z, as far as there can be some
-  std::array<bool, max_dimension> periodic_{};
+  std::array<bool, max_dimension> periodic_{}, periodic_edges_{};
   std::vector<std::size_t> lines_;
 };
 

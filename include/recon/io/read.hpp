@@ -17,12 +17,34 @@
 //                       empty name becomes column_<number>. The decimal sign is the point, whatever
 //                       the locale.
 //
+//   XYZ                 Plain, or extended by key=value pairs on the comment line: Properties names
+//                       the columns, Lattice is the box (periodic unless pbc says otherwise; Origin
+//                       may move its corner), and Time and Step (or Timestep) are known; other keys
+//                       are passed over. Plain lines are element, x, y, z and further numbers,
+//                       column_5, ... One or more frames.
+//   VTK                 Points and their data of polygonal data, unstructured, structured and image
+//                       grids (nodes of the latter become points): legacy files of any version in
+//                       text or binary, and XML files (.vtp, .vtu, .vts, .vti) with data in text or
+//                       base64 or appended, plain or compressed by zlib. Cells and their data are
+//                       passed over. The time is TimeValue (or TIME), the step `step` (or CYCLE).
+//   HDF5                H5MD (positions and every other element of a group of particles that has a
+//                       value for each of them; box and boundary) and openPMD (the records of a
+//                       species at each iteration, in units of the SI: positions are position +
+//                       positionOffset). Needs a recon that was built with HDF5.
+//
+// The two binary formats have arrays with several components. They become columns by these rules:
+// position gives x, y, z; velocity gives vx, vy, vz and force fx, fy, fz; two or three components
+// of any other array end in _x, _y, _z, the nine of a tensor in _xx, _xy, ..., others in _0, _1,
+// ... (or in the names that VTK knows them by). They are read as a whole: a VTK file, or a frame of
+// HDF5, takes memory for its bytes and for its numbers.
+//
 // Rows keep the order of the file. Columns are checked when they are used (ParticleTable): text,
 // empty cells, numbers too large for double and names that several columns have are no error until
 // a column is asked for. Names that are not UTF-8 are read as Latin-1 (Windows-1252) and converted.
 //
 // What is wrong with a file throws FileError with the line: a broken or missing line, a wrong
-// number of cells, a damaged or cut gzip stream, bytes behind the gzip data, an unknown format.
+// number of cells, a damaged or cut gzip stream, bytes behind the gzip data, an unknown format. Of
+// what is binary the message names the array or data set instead.
 //
 // A file may end within a frame, because a run was stopped or a copy was broken off. The frames
 // before that one are listed and read, with a remark; asking for the cut one is an error, and so is
@@ -55,11 +77,11 @@
 namespace recon {
 
 struct FrameInfo {
-  std::optional<std::int64_t> step;  // none in delimited text
+  std::optional<std::int64_t> step;  // where the file says it
   std::optional<double> time;        // where the file says it
   std::size_t particles = 0;
   std::vector<std::string> columns;  // names, as in the file
-  std::size_t line = 0;              // where the frame begins
+  std::size_t line = 0;              // where the frame begins; 0 in VTK and HDF5
   std::string units;                 // of LAMMPS: "lj", "si", ..., where the file says it
 };
 
@@ -76,6 +98,9 @@ struct ReadOptions {
   // What marks a cell without a value: see ParticleTable::declare_missing(). Particles without a
   // value in a column that is used are left out by ParticleTable::leave_out_missing().
   std::vector<std::string> missing = {};
+  // In HDF5: the name of the group of particles (H5MD) or of their species (openPMD). It may be
+  // left out where there is only one, and must be for other formats.
+  std::string group = {};
 };
 
 // Lists all complete frames in the order of the file, whatever frame the options ask for. Delimited
@@ -100,6 +125,8 @@ class FrameReader {
  public:
   // Throws FileError for a file that is not there or of no known format.
   explicit FrameReader(const std::filesystem::path& path, const ReadOptions& options = {});
+  // The frames of bytes in memory, which must outlive this object; messages call them `name`.
+  explicit FrameReader(std::string_view bytes, const ReadOptions& options, const std::string& name);
   ~FrameReader();
   FrameReader(FrameReader&&) noexcept;
   FrameReader& operator=(FrameReader&&) noexcept;

@@ -15,8 +15,9 @@
 // delimiter, a quote, a blank at an end, or could be taken for a number or a comment.
 // read_particles() reads the file back.
 //
-// VTK. Little-endian on any machine, raw binary appended to the XML, 64-bit headers, no
-// compression; cost and size are those of the numbers. Step and time of the FieldSet become field
+// VTK. Little-endian on any machine, binary in base64 within the XML, 64-bit headers, no
+// compression; the size is 4/3 of that of the numbers. (Raw bytes behind the XML would be smaller,
+// and are what ParaView on Debian 12 fails to read since expat was updated.) Step and time of the FieldSet become field
 // data under the names "step" and "TimeValue" (the one that ParaView takes for the time). Vectors
 // are written with three components x, y, z and tensors with nine, xx, xy, ..., zz, whatever the
 // dimension, because arrows, warps and stream lines take nothing else. FieldKind says which fields

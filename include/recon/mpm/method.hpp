@@ -8,6 +8,7 @@
 // ```
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,9 +21,10 @@ namespace recon::mpm {
 
 // What a particle is (transfer/domain_functions.hpp), and with which functions it sees the grid
 // (transfer/point_functions.hpp). Domains other than the point need the linear basis. mls_bspline2
-// is bspline2 with the gradients of MLS-MPM (Hu et al. 2018).
+// is bspline2 with the gradients of MLS-MPM (Hu et al. 2018); cell_linear and cell_bspline2 are
+// linear functions seen through the centres of the cells.
 enum class Domain { point, ugimp, cpgimp, cpdi1, cpdi2 };
-enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
+enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2, cell_linear, cell_bspline2 };
 
 // How the velocities v_i at the nodes follow from those of the particles, with d = x_i - x_p:
 //   mass_weighted  sum_p S_ip m_p v_p / m_i, which is Shepard's with the weight m_p S_ip
@@ -31,10 +33,11 @@ enum class Basis { linear, q8, q9, bspline2, bspline3, mls_bspline2 };
 //   cpls           imls from particles and the corners of their domains,
 //                  v_c = v_p + L_p (x_c - x_p)
 //   taylor         sum_p S_ip m_p (v_p + L_p d) / m_i (Wallstedt, Guilkey 2007)
-//   affine         sum_p S_ip m_p (v_p + C_p d) / m_i with C_p = B_p D_p^-1 of the step before, B_p
+//   affine         sum_p S_ip m_p (v_p + C_p d) / m_i with C_p = B_p D_p^+ of the step before, B_p
 //                  and D_p the sums of S_ip v_i d^T and of S_ip d d^T (Jiang et al. 2015). Over any
 //                  domain: linear fields and momentum are kept; angular momentum as far as D_p is
-//                  where the particle goes what it was, so exactly with splines
+//                  where the particle goes what it was, so exactly with splines. A direction that
+//                  a small domain does not see has no slope (transfer/modes.hpp)
 //   polynomial     the same with all products of the polynomials 1, d, d^2 of the axes, made
 //                  orthogonal under S_ip (Fu et al. 2017)
 enum class VelocityMap { mass_weighted, mls, imls, cpls, taylor, affine, polynomial };
@@ -50,11 +53,16 @@ enum class VelocityMap { mass_weighted, mls, imls, cpls, taylor, affine, polynom
 //                momentum, at Gauss points; cells on the border of a body keep their particles as
 //                points of integration (Wobbes et al. 2018)
 //   gauss_cells  the same with least squares at the Gauss points (Tran et al. 2019)
-enum class Quadrature { particles, cells, nodal_cells, taylor_cells, gauss_cells };
+//   adjoint_cells  mass and external forces over particles, the stress fitted at the cell centres
+//                inside of a body and summed at its border, f_i = -sum_c (sum_p W_cp sigma_p) grad
+//                N_i(x_c), and the strain the transpose of that, L_p = sum_c W_cp L_c / sum_c W_cp
+//                with L_c = sum_i v_i grad N_i(x_c)^T (transfer/cell_weights.hpp)
+enum class Quadrature { particles, cells, nodal_cells, taylor_cells, gauss_cells, adjoint_cells };
 
 // How particles are updated from the nodes, with a_i = f_i / m_i:
 //   flip          v_p += k sum_i S a_i,  x_p += dt sum_i S v_i+ ; with Method::blend the part
-//                 `blend` of v_p is that of pic
+//                 `blend` of v_p is that of pic, and with Method::blend_rate it goes there at that
+//                 rate, 1 / time, so that as much is taken in a time whatever the steps
 //   pic           v_p  = sum_i S v_i+ ,  x_p += dt v_p
 //   xpic          v_p  = sum_i S (v*_i + k a_i),  v* = sum_{j < m} (1 - S+ S)^j v_i , where S+ S v
 //                 is the velocity that goes to the particles and back; m is Method::order
@@ -110,6 +118,9 @@ inline bool is_fit(VelocityMap map) {
 inline bool is_cell(Quadrature quadrature) {
   return quadrature == Quadrature::cells || quadrature == Quadrature::nodal_cells;
 }
+inline bool is_through_cells(Basis basis) {
+  return basis == Basis::cell_linear || basis == Basis::cell_bspline2;
+}
 inline bool is_gauss(Quadrature quadrature) {
   return quadrature == Quadrature::taylor_cells || quadrature == Quadrature::gauss_cells;
 }
@@ -123,9 +134,10 @@ struct Method {
   Update update = Update::flip;
   std::string source;
 
-  int degree = 1;    // degree of the fits: 1 or 2, with imls up to 3
-  int order = 2;     // the order m of xpic and fmpm
-  double blend = 0;  // the part of pic in flip, from 0 to 1
+  int degree = 1;         // degree of the fits: 1 or 2, with imls up to 3
+  int order = 2;          // the order m of xpic and fmpm
+  double blend = 0;       // the part of pic in flip, from 0 to 1
+  double blend_rate = 0;  // the same as a rate, 1 / time
   MassMatrix mass = MassMatrix::lumped;
   StressUpdate stress = StressUpdate::last;
   Scheme scheme = Scheme::leapfrog;
@@ -149,6 +161,11 @@ struct Method {
   // positions after one of last_dt.
   double kick(double last_dt, double dt) const {
     return scheme == Scheme::leapfrog ? (last_dt + dt) / 2 : dt;
+  }
+  // The part of pic in v_p after a kick.
+  double pic_part(double kick) const {
+    if (update != Update::flip) return 1;
+    return blend_rate == 0 ? blend : 1 - (1 - blend) * std::exp(-blend_rate * kick);
   }
   double velocity_lag(double last_dt) const {
     return update == Update::runge_kutta || scheme != Scheme::leapfrog ? 0 : last_dt / 2;
@@ -177,6 +194,7 @@ struct Method {
     each("quadrature", of.quadrature);
     each("update", of.update);
     each("blend", of.blend);
+    each("blend_rate", of.blend_rate);
     each("degree", of.degree);
     each("order", of.order);
     each("mass", of.mass);
@@ -208,6 +226,10 @@ decltype(auto) with_shape(const Method& method, Work&& work) {
     return work(PointShape<SplineFunctions<3>>{{{method.border}}});
   if (method.basis == Basis::mls_bspline2)
     return work(PointShape<MomentSplineFunctions>{{{{method.border}}}});
+  if (method.basis == Basis::cell_linear)
+    return work(PointShape<CellFunctions<1>>{{{method.border}}});
+  if (method.basis == Basis::cell_bspline2)
+    return work(PointShape<CellFunctions<2>>{{{method.border}}});
   return work(PointShape<LinearFunctions>{});
 }
 

@@ -12,6 +12,7 @@
 
 #include "recon/grid/reconstruct_on_grid.hpp"
 #include "recon/mpm/types.hpp"
+#include "recon/transfer/cell_weights.hpp"
 #include "recon/transfer/mass_matrix.hpp"
 
 namespace recon::mpm {
@@ -65,6 +66,8 @@ struct Nodes {
   // forces in `force`, and K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.
   std::vector<Vector<D>> internal;
   std::vector<double> stiffness;
+  CellWeights<D>
+      weights;     // with which particles stand for cells; of adjoint_cells only, else empty
   FitReports fit;  // reports of a fitted velocity, at the nodes fit_nodes
   std::vector<std::uint32_t> fit_nodes;
   std::size_t unfitted = 0;  // nodes with mass whose velocity had to be mass-weighted

@@ -274,7 +274,7 @@ struct Cpdi1Functions {
  private:
   template <int D>
   static SpaceMatrix<D> inverse_of(const ParallelepipedDomain<D>& domain) {
-    const SpaceMatrix<D> inverse = domain.half_edges.inverse();
+    SpaceMatrix<D> inverse = domain.half_edges.inverse();
     // The inverse of what is infinite may be finite.
     if (!inverse.allFinite() || !domain.half_edges.allFinite()) [[unlikely]]
       detail::throw_half_edges(domain.half_edges.data(), D, domain.half_edges.determinant());

@@ -29,10 +29,14 @@
 // DomainModes are the affine modes of functions that are no products: averages over the domain of a
 // particle (domain_functions.hpp). There the D polynomials s_d = (x_i - m)_d, m = sum_i S_i x_i, are
 // not orthogonal to each other, and the coefficients are the columns of the slope
-//     C = (sum_i S_i u_i (x_i - m)^T) (sum_i S_i (x_i - m) (x_i - m)^T)^-1 .
-// Linear fields are exact whatever the domain.
+//     C = (sum_i S_i u_i (x_i - m)^T) D^+ ,   D = sum_i S_i (x_i - m) (x_i - m)^T .
+// D^+ is the inverse on the directions that the domain sees and zero on the others: those in which
+// D is below 1e-3 h^2, as in a small domain about a node or on an edge of cells. There the nodes to
+// both sides have a thousandth of S together, and nothing that is shown to them counts. Linear
+// fields are exact along all directions that are seen.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <vector>
 
@@ -103,7 +107,7 @@ class PolynomialModes {
   auto coefficient(int r, const Nodes& at, const Values& u, Data data = Data::checked) const {
     using Element = detail::ElementOf<const Values>;
     using Value = decltype(Element::zero());
-    const Value zero = Element::zero();
+    Value zero = Element::zero();
     if (!(norm(r) > 0)) return zero;
     const Value sum = detail::sum_over_nodes(
         at, u, zero, [&](std::size_t k) { return at.S[k] * value(r, k) != 0; },
@@ -193,12 +197,9 @@ class PolynomialModes {
 template <int D>
 class DomainModes {
  public:
-  // Of the functions of a particle. With M the second moment that is inverted, all coefficients are
-  // zero where tr M / D is below 1e-12 h^2, or det M below 1e-12 (tr M / D)^D: a domain that sees a
-  // single node, at all or along some direction.
+  // Of the functions of a particle.
   template <class Nodes>
   void fill(const CartesianGrid<D>& grid, const Nodes& at) {
-    constexpr double least = 1e-12;
     SpaceVector<D> mean = SpaceVector<D>::Zero();
     offset_.resize(at.size());
     for (std::size_t k = 0; k < at.size(); ++k) {
@@ -210,12 +211,10 @@ class DomainModes {
       offset_[k] -= mean;
       second_ += at.S[k] * offset_[k] * offset_[k].transpose();
     }
-    const double mean_square = second_.trace() / D;
-    inverse_.setZero();
-    if (mean_square > least * grid.h() * grid.h() &&
-        second_.determinant() > least * std::pow(mean_square, D))
-      inverse_ = second_.inverse();
+    invert(1e-3 * grid.h() * grid.h());
   }
+  // The number of directions that the domain sees.
+  int rank() const { return rank_; }
 
   static constexpr int count() { return D; }
   // c_d, the derivative along axis d, of nodal data u.
@@ -252,6 +251,31 @@ class DomainModes {
   }
 
  private:
+  // D^+, where eigenvalues that are not above `least` count as zero.
+  void invert(double least) {
+    rank_ = D;
+    // All eigenvalues are positive where these are, and none is below det D over the greatest product
+    // of the others. Beyond a face S may be negative, and so may D.
+    const double trace = second_.trace(), pairs = trace * trace - second_.squaredNorm();
+    if (trace > 0 && (D < 3 || pairs > 0) && second_.determinant() > least * std::pow(trace, D - 1))
+        [[likely]] {
+      inverse_ = second_.inverse();
+      return;
+    }
+    const Eigen::SelfAdjointEigenSolver<SpaceMatrix<D>> parts(second_);
+    inverse_.setZero();
+    for (int d = 0; d < D; ++d) {
+      const double value = parts.eigenvalues()[d];
+      if (!(value > least)) {
+        --rank_;
+        continue;
+      }
+      const SpaceVector<D> along = parts.eigenvectors().col(d);
+      inverse_ += along * along.transpose() / value;
+    }
+  }
+
+  int rank_ = 0;
   std::vector<SpaceVector<D>> offset_;
   SpaceMatrix<D> second_, inverse_;
 };

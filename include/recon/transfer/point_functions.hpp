@@ -6,6 +6,11 @@
 //   MomentSplineFunctions  quadratic splines with the gradients of MLS-MPM (Hu et al. 2018)
 //   NineNodeFunctions      quadratic elements of 2 x 2 cells: 3 nodes in 1-D, 27 in 3-D
 //   EightNodeFunctions     serendipity elements of 2 x 2 cells without the node in the middle; 2-D
+//   CellFunctions<P>       nodes seen through the cells (staggered grid: Liang, Zhang, Liu 2019): with
+//                          k_c the B-spline of degree P = 1, 2 about the centre x_c of cell c,
+//                          S_i = sum_c k_c(x) N_i(x_c) and G_i = sum_c k_c(x) grad N_i(x_c) for the
+//                          linear functions N_i. G is not the gradient of S, but has the slope of
+//                          linear fields, and is that of the spline of degree P + 1 on one axis
 //
 // (Elements: Andersen, Andersen 2007, section 3.4.) All of them live on the same nodes, so that
 // they are compared at the same number of unknowns. Elements need an even number of cells along
@@ -114,6 +119,53 @@ void end_splines(AxisFunctions<Count>& axis, int cells, SplineBorder border) {
   }
 }
 
+// The B-splines of degree 1 or 2 about the centres of cells: k of the cells first, first + 1, ..., of
+// which the first may be -1 and the last one beyond the grid. They sum to one.
+template <int degree>
+struct CellSplines {
+  static_assert(degree == 1 || degree == 2);
+  static constexpr int count = degree + 1;
+  int first;
+  std::array<double, count> k;
+
+  // At s cells from the lower face.
+  CellSplines(double s, int cells) {
+    s = std::clamp(s, hair, cells * (1 - hair));
+    if constexpr (degree == 1) {
+      first = static_cast<int>(s + 0.5) - 1;
+      const double z = s - 0.5 - first;
+      k = {1 - z, z};
+    } else {
+      const int cell = std::min(static_cast<int>(s), cells - 1);
+      const double z = s - 0.5 - cell;
+      first = cell - 1;
+      k = {(0.5 - z) * (0.5 - z) / 2, 0.75 - z * z, (0.5 + z) * (0.5 + z) / 2};
+    }
+  }
+};
+
+// A cell has the mean of its two nodes. Where a cell beyond a face counts, its outer node has
+// 2 u_0 - u_1 as with splines: the cell is mirrored about the face.
+template <int degree>
+AxisFunctions<AtMost<degree + 2>> cell_axis_at(double x, double lower, double h, int cells,
+                                               SplineBorder border) {
+  AxisFunctions<AtMost<degree + 2>> axis;
+  const double s = (x - lower) / h;
+  const int cell = std::clamp(static_cast<int>(s), 0, cells - 1);
+  if (border == SplineBorder::linear_cells && (cell == 0 || cell == cells - 1))
+    return linear_axis_at<AtMost<degree + 2>>(x, lower, h, cell);
+  const CellSplines<degree> at(s, cells);
+  axis.first = at.first;
+  axis.set_count(degree + 2);
+  for (int n = 0; n < degree + 2; ++n) {
+    const double before = n > 0 ? at.k[n - 1] : 0, after = n <= degree ? at.k[n] : 0;
+    axis.S[n] = (before + after) / 2;
+    axis.G[n] = (before - after) / h;
+  }
+  end_splines(axis, cells, border);
+  return axis;
+}
+
 template <int degree>
 AxisFunctions<AtMost<degree + 1>> spline_axis_at(double x, double lower, double h, int cells,
                                                  SplineBorder border) {
@@ -199,6 +251,18 @@ struct SplineAxis {
   }
 };
 
+template <int degree>
+struct CellAxis {
+  using AxisCount = AtMost<degree + 2>;
+  static constexpr int cell_degree = degree;
+  SplineBorder border = SplineBorder::corrected;
+  template <int D>
+  AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
+    grid.require_coordinate(x, d);
+    return cell_axis_at<degree>(x, grid.lower()[d], grid.h(), grid.cells(d), border);
+  }
+};
+
 // Products of functions of the axes.
 template <class Axis>
 struct ProductFunctions : Axis {
@@ -241,6 +305,9 @@ using NineNodeFunctions = detail::ProductFunctions<detail::QuadraticAxis>;
 // SplineFunctions<3>{{border}} where the border is not `corrected`.
 template <int degree>
 using SplineFunctions = detail::ProductFunctions<detail::SplineAxis<degree>>;
+// CellFunctions<2>{{border}} where the border is not `corrected`.
+template <int degree>
+using CellFunctions = detail::ProductFunctions<detail::CellAxis<degree>>;
 
 // Quadratic splines with other gradients: G is the slope of the least-squares plane through the
 // nodes, weighted by S, G_i = S_i D^-1 (x_i - x) with D = sum_i S_i (x_i - x)(x_i - x)^T, which is

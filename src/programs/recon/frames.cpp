@@ -5,7 +5,7 @@
 
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
-#include "recon/io/read.hpp"
+#include "source.hpp"
 
 namespace recon::program {
 
@@ -46,12 +46,12 @@ struct Chosen {
 };
 
 // Counts the frames of the file only where the range asks for it.
-Chosen choose(const std::string& file, const std::string& text) {
+Chosen choose(const std::string& file, const std::string& text, const ReadOptions& options) {
   const FrameRange range = *read_range(text);
   Chosen chosen;
   chosen.step = static_cast<std::size_t>(range.step);
   if (!range.first && !range.last) return chosen;
-  const std::size_t frames = list_frames(file).size();
+  const std::size_t frames = list_source(file, options).size();
   const auto place = [&](std::optional<long> asked, std::size_t otherwise) {
     if (!asked) return otherwise;
     const long at = *asked < 0 ? *asked + static_cast<long>(frames) : *asked;
@@ -83,13 +83,14 @@ std::vector<std::string> for_each_frame(
   std::vector<std::string> files{options.file}, remarks;
   files.insert(files.end(), options.more_files.begin(), options.more_files.end());
   for (const std::string& file : options.more_files)
-    if (!std::filesystem::exists(file))
+    if (file != "-" && !std::filesystem::exists(file))
       fail_usage("'" + file + "': no such file (several files make a series; lists are written " +
                  "with commas and without blanks, as in vx,vy,vz)");
   std::vector<Chosen> chosen;
   with_exit_code(wrong_input, [&] {
     if (!options.frames.empty())
-      for (const std::string& file : files) chosen.push_back(choose(file, options.frames));
+      for (const std::string& file : files)
+        chosen.push_back(choose(file, options.frames, read_options(options)));
   });
   FramePlace place;
   const auto pass_on = [&](ParticleTable table, double progress) {
@@ -102,13 +103,13 @@ std::vector<std::string> for_each_frame(
   for (std::size_t f = 0; f < files.size(); ++f) {
     const double before = static_cast<double>(f);
     if (options.frames.empty()) {
-      pass_on(with_exit_code(wrong_input,
-                             [&] { return read_particles(files[f], read_options(options)); }),
-              (before + 1) / parts);
+      pass_on(
+          with_exit_code(wrong_input, [&] { return read_source(files[f], read_options(options)); }),
+          (before + 1) / parts);
       continue;
     }
     FrameReader reader =
-        with_exit_code(wrong_input, [&] { return FrameReader(files[f], read_options(options)); });
+        with_exit_code(wrong_input, [&] { return open_source(files[f], read_options(options)); });
     while (reader.position() <= chosen[f].last) {
       const std::size_t at = reader.position();
       if (at < chosen[f].first || (at - chosen[f].first) % chosen[f].step != 0) {

@@ -10,7 +10,7 @@
 #include "json_summary.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
-#include "recon/io/read.hpp"
+#include "source.hpp"
 #include "summary.hpp"
 
 namespace recon::program {
@@ -126,6 +126,7 @@ std::string same_input(const InputOptions& options) {
   if (options.frame != InputOptions().frame) add("--frame", std::to_string(options.frame));
   if (options.step) add("--step", std::to_string(*options.step));
   if (options.time) add("--time", number(*options.time, 17));
+  add("--group", options.group);
   add("--columns", options.columns);
   if (options.skip_rows > 0) add("--skip-rows", std::to_string(options.skip_rows));
   for (const std::string& missing : options.missing) text += " --missing=" + shell_word(missing);
@@ -214,7 +215,7 @@ void run(const InfoOptions& asked) {
   const InputOptions& options = asked.input;
   if (options.file.empty()) fail_usage("info: the FILE is missing; see recon info --help");
   const std::vector<FrameInfo> frames =
-      with_exit_code(wrong_input, [&] { return list_frames(options.file, read_options(options)); });
+      with_exit_code(wrong_input, [&] { return list_source(options.file, read_options(options)); });
   const Particles particles = read_input(options);
   if (asked.json) return print_json(summary_object(particles, frames, options));
   std::printf("%s\n", particles.describe().c_str());

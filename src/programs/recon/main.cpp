@@ -9,10 +9,14 @@ int main(int argc, char** argv) {
       "weighted\n"
       "least squares (Shepard, MLS, IMLS) with a report for every node.\n\n"
       "  recon info FILE                            what is in a file\n"
+      "  recon convert FILE --out particles.xyz     to another format\n"
       "  recon map FILE --fields vx --out v.vti     fields on a grid\n"
       "  recon profile FILE --fields vx --out v.csv fields along an axis\n"
       "  recon help map                             all about one of them",
       argc, argv, [](CLI::App& app) -> std::map<std::string, Command> {
-        return {{"info", add_info(app)}, {"map", add_map(app)}, {"profile", add_profile(app)}};
+        return {{"convert", add_convert(app)},
+                {"info", add_info(app)},
+                {"map", add_map(app)},
+                {"profile", add_profile(app)}};
       });
 }

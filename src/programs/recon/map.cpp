@@ -31,7 +31,7 @@ void run(const MapOptions& options) {
     summary.set("picture_note", beyond.empty() ? Json() : Json(beyond));
     return print_json(summary);
   }
-  if (options.quiet) return;
+  if (options.quiet || writes_to_pipe(options)) return;
   print_summary(options, method, job, mapped);
   print_line("time", number(progress.seconds(), 2) + " s");
   print_written(files_of(options), beyond);
@@ -93,7 +93,8 @@ void add_output_options(CLI::App& app, MapOptions& options) {
   const std::string group = "Output";
   app.add_option("--out", options.outputs,
                  "file to write, may be given again: .vti (grid) or .vtp\n"
-                 "(points) for ParaView, .csv for both. With the fields go\n"
+                 "(points) for ParaView, .csv for both, - for CSV on the\n"
+                 "standard output. With the fields go\n"
                  "neighbours, rank, degree that is reproduced, status (full,\n"
                  "reduced, nearest, no_support, too_far; in VTK 0 to 4), and\n"
                  "limited: how many components of its values were limited")

@@ -13,7 +13,7 @@
 #include "outputs.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
-#include "recon/io/read.hpp"
+#include "source.hpp"
 #include "sum_check.hpp"
 #include "summary.hpp"
 
@@ -75,7 +75,7 @@ void choose_like(const Particles& particles, ParticleTable& targets) {
 
 void read_targets(const MapOptions& options, const Particles& particles, Targets& targets) {
   targets.is_grid = false;
-  targets.table = with_exit_code(wrong_input, [&] { return read_particles(options.targets); });
+  targets.table = with_exit_code(wrong_input, [&] { return read_source(options.targets, {}); });
   if (targets.table.size() == 0) fail_input(targets.table.source + ": there are no targets");
   try {
     choose_like(particles, targets.table);
@@ -120,6 +120,11 @@ void check_options(const MapOptions& options) {
         options.picture.colours.empty()))
     fail_usage(
         "--slice, --show and --colours say what is drawn, but no file is named with --picture");
+  const bool to_pipe = writes_to_pipe(options);
+  if (to_pipe && is_series(options.input) && !options.average)
+    fail_usage("--out -: a series of frames has a file for each; choose one frame, or --average");
+  if (to_pipe && options.json)
+    fail_usage("--out - and --json both write to the standard output: choose one");
   if (options.average && !is_series(options.input))
     fail_usage("--average needs several frames: --frame all, a range of frames, or several files");
   check_outputs(options.outputs, options.picture.file, inputs_of(options), grid);
@@ -145,19 +150,27 @@ std::string write_outputs(const MapOptions& options, const MapJob& job, const Fi
                           const FitReports* reports) {
   const std::string& letters = job.particles.letters;
   return with_exit_code(no_output, [&]() -> std::string {
-    for (const std::string& path : options.outputs) {
-      if (path.ends_with(".csv") && reports != nullptr)
+    for (const std::string& output : options.outputs) {
+      OutputPlace place(output);
+      const std::string path = place.path();
+      const bool csv = output == "-" || output.ends_with(".csv");
+      if (csv && reports != nullptr)
         write_csv_fields(path, job.targets.points, letters, fields, *reports);
-      else if (path.ends_with(".csv"))
+      else if (csv)
         write_csv_fields(path, job.targets.points, letters, fields);
       else if (job.targets.is_grid)
         write_embedded(path, job.particles, job.targets.grid, fields);
       else
         write_embedded(path, job.particles, job.targets.points, fields);
+      place.send();
     }
     if (options.picture.file.empty()) return "";
     return draw_fields(options.picture, job.cut, job.particles, job.targets.grid, fields);
   });
+}
+
+bool writes_to_pipe(const MapOptions& options) {
+  return std::find(options.outputs.begin(), options.outputs.end(), "-") != options.outputs.end();
 }
 
 std::vector<std::string> inputs_of(const MapOptions& options) {

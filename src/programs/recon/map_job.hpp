@@ -52,6 +52,9 @@ MapJob prepare(const MapOptions& options, const Method& method, Particles partic
 std::string write_outputs(const MapOptions& options, const MapJob& job, const FieldSet& fields,
                           const FitReports* reports);
 
+// Whether an output is the standard output, which then holds nothing else.
+bool writes_to_pipe(const MapOptions& options);
+
 // The files that a run with these options reads, and those that it writes.
 std::vector<std::string> inputs_of(const MapOptions& options);
 std::vector<std::string> files_of(const MapOptions& options);

@@ -1,6 +1,9 @@
 #include "outputs.hpp"
 
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "programs/common/errors.hpp"
 #include "programs/common/text.hpp"
@@ -28,6 +31,7 @@ void check_outputs(const std::vector<std::string>& outputs, const std::string& p
   for (const std::string& path : outputs) {
     if (csv_only && fs::path(path).extension() != ".csv")
       fail_usage("--out " + path + ": a profile is written as .csv");
+    if (path == "-") continue;
     with_exit_code(wrong_usage, [&] { require_writable_extension(path, grid); });
   }
   std::vector<std::string> all = outputs;
@@ -35,15 +39,44 @@ void check_outputs(const std::vector<std::string>& outputs, const std::string& p
     with_exit_code(wrong_usage, [&] { require_picture_extension(picture); });
     all.push_back(picture);
   }
+  check_files(all, inputs);
+}
+
+void check_files(const std::vector<std::string>& all, const std::vector<std::string>& inputs) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (const std::string& input : inputs)
-      if (same_file(all[i], input))
+      if (all[i] != "-" && same_file(all[i], input))
         fail_usage(all[i] + " is an input; it would be overwritten: choose another name");
     for (std::size_t j = 0; j < i; ++j)
       if (same_file(all[i], all[j])) fail_usage(all[i] + " is named twice as an output");
   }
   for (const std::string& path : all)
-    with_exit_code(no_output, [&] { const AtomicFile probe(path); });
+    if (path != "-") with_exit_code(no_output, [&] { const AtomicFile probe(path); });
+}
+
+OutputPlace::OutputPlace(const std::string& output) : path_(output) {
+  if (output != "-") return;
+  std::string folder = (fs::temp_directory_path() / "recon-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr)
+    throw ProgramError(no_output, "no temporary folder " + folder + " can be made");
+  folder_ = folder;
+  path_ = folder + "/output";
+}
+
+OutputPlace::~OutputPlace() {
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+void OutputPlace::send() const {
+  if (folder_.empty()) return;
+  std::ifstream in(path_, std::ios::binary);
+  std::string bytes(1 << 18, '\0');
+  while (in.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) || in.gcount() > 0) {
+    const auto got = static_cast<std::size_t>(in.gcount());
+    if (std::fwrite(bytes.data(), 1, got, stdout) != got)
+      throw ProgramError(no_output, "the standard output cannot be written");
+  }
 }
 
 std::string file_size(const std::string& path) {

@@ -10,8 +10,8 @@
 #include "programs/common/text.hpp"
 #include "recon/basis/monomials.hpp"
 #include "recon/core/names.hpp"
-#include "recon/io/read.hpp"
 #include "recon/neighbourhood/find_neighbours.hpp"
+#include "source.hpp"
 #include "where.hpp"
 
 namespace recon::program {
@@ -179,7 +179,7 @@ std::string Particles::describe() const {
   return periodic.empty() ? text : text + ", periodic in " + enumeration(periodic);
 }
 
-void add_input_options(CLI::App& app, InputOptions& options) {
+void add_file_options(CLI::App& app, InputOptions& options) {
   const std::string group = "Particles";
   const auto take_files = [&options](const std::vector<std::string>& files) {
     options.file = files.front();
@@ -187,9 +187,10 @@ void add_input_options(CLI::App& app, InputOptions& options) {
   };
   app.add_option_function<std::vector<std::string>>(
          "FILE", take_files,
-         "LAMMPS text dump, or delimited text with a line of column\n"
-         "names; either may be gzipped. Several files (of map) make a\n"
-         "series")
+         "LAMMPS text dump, delimited text with a line of column names,\n"
+         "XYZ (plain or extended), VTK (legacy or XML), HDF5 (H5MD or\n"
+         "openPMD); any may be gzipped; - is the standard input. Several\n"
+         "files (of map and convert) make a series")
       ->type_name(" ");
   const auto take_frame = [&options](const std::string& text) {
     if (const auto number = to_number(text))
@@ -223,6 +224,11 @@ void add_input_options(CLI::App& app, InputOptions& options) {
       ->excludes("--step")
       ->check(finite_number())
       ->group(group);
+  app.add_option("--group", options.group,
+                 "in HDF5 the group of particles (openPMD: the species), where\n"
+                 "there are several")
+      ->type_name("NAME")
+      ->group(group);
   app.add_option("--columns", options.columns,
                  "names of all columns, as in x,y,v, for a file without\n"
                  "names or in place of its own")
@@ -240,16 +246,21 @@ void add_input_options(CLI::App& app, InputOptions& options) {
       ->type_name("TEXT")
       ->allow_extra_args(false)
       ->group(group);
+  app.add_option("--coordinates", options.coordinates,
+                 "columns that hold the coordinates, if not x,y,z")
+      ->type_name("NAMES")
+      ->group(group);
+}
+
+void add_input_options(CLI::App& app, InputOptions& options) {
+  const std::string group = "Particles";
+  add_file_options(app, options);
   app.add_option("--periodic", options.periodic,
                  "periodic axes: from-file (the boundary flags of LAMMPS),\n"
                  "none, or axes like x,y, whose periods are those of the\n"
                  "file's box or else of --bounds")
       ->type_name("AXES")
       ->capture_default_str()
-      ->group(group);
-  app.add_option("--coordinates", options.coordinates,
-                 "columns that hold the coordinates, if not x,y,z")
-      ->type_name("NAMES")
       ->group(group);
   app.add_option("--dimension", options.dimension,
                  "2 or 3 (or 1), if not as detected: a coordinate that is the\n"
@@ -304,21 +315,22 @@ ReadOptions read_options(const InputOptions& options) {
           .time = options.time,
           .columns = split(options.columns),
           .skip_rows = options.skip_rows,
-          .missing = options.missing};
+          .missing = options.missing,
+          .group = options.group};
 }
 
 Particles read_input(const InputOptions& options) {
   if (options.file.empty()) fail_usage("the file with the particles is missing");
   if (!options.more_files.empty())
     fail_usage("too many arguments: '" + options.more_files.front() +
-               "' (only recon map takes several files; lists are written with commas and without "
+               "' (only recon map and convert take several files; lists are written with commas "
+               "and without "
                "blanks, as in vx,vy,vz)");
   if (!options.frames.empty())
     fail_usage("--frame " + options.frames +
-               ": one frame is needed here; only recon map takes several");
+               ": one frame is needed here; only recon map and convert take several");
   return make_particles(
-      with_exit_code(wrong_input,
-                     [&] { return read_particles(options.file, read_options(options)); }),
+      with_exit_code(wrong_input, [&] { return read_source(options.file, read_options(options)); }),
       options);
 }
 

@@ -24,6 +24,7 @@ struct InputOptions {
   std::string frames;                // all, or a range; see frames.hpp
   std::optional<std::int64_t> step;  // or by its step or time
   std::optional<double> time;
+  std::string group;    // of particles, in HDF5
   std::string columns;  // names of all columns, if not from the file
   std::size_t skip_rows = 0;
   std::vector<std::string> missing;  // what stands for "no value"
@@ -67,6 +68,8 @@ struct Particles {
 };
 
 void add_input_options(CLI::App& app, InputOptions& options);
+// Those that say what is read, without dimension and periods.
+void add_file_options(CLI::App& app, InputOptions& options);
 
 // What the options mean for the reader of the file.
 ReadOptions read_options(const InputOptions& options);

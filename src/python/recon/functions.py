@@ -421,13 +421,15 @@ def read(
     columns: Sequence[str] | None = None,
     skip_rows: int = 0,
     missing: Iterable[str] | None = None,
+    group: str = "",
 ) -> _recon.ParticleTable:
     """The particles of one frame of a file, of any format that recon reads.
 
     Parameters
     ----------
     path : path
-        A LAMMPS text dump, or delimited text with a line of names; gzipped or not.
+        A LAMMPS text dump, delimited text with a line of names, XYZ, VTK (legacy or XML) or HDF5
+        (H5MD, openPMD); gzipped or not.
     frame : int
         Counted from 0, or from the end; -1 is the last.
     step : int, optional
@@ -439,6 +441,8 @@ def read(
         The number of lines to skip at the beginning.
     missing : iterable of str, optional
         What marks a cell without a value.
+    group : str
+        In HDF5 the group of particles or their species, where there are several.
 
     Returns
     -------
@@ -458,6 +462,7 @@ def read(
         None if columns is None else list(columns),
         skip_rows,
         None if missing is None else list(missing),
+        group,
     )
 
 
@@ -467,6 +472,7 @@ def read_frames(
     columns: Sequence[str] | None = None,
     skip_rows: int = 0,
     missing: Iterable[str] | None = None,
+    group: str = "",
 ) -> Iterator[_recon.ParticleTable]:
     """All frames of a file, one after the other, with the memory of one."""
     return _recon.FrameReader(
@@ -474,14 +480,15 @@ def read_frames(
         columns=None if columns is None else list(columns),
         skip_rows=skip_rows,
         missing=None if missing is None else list(missing),
+        group=group,
     )
 
 
 def list_frames(
-    path: Path, *, columns: Sequence[str] | None = None, skip_rows: int = 0
+    path: Path, *, columns: Sequence[str] | None = None, skip_rows: int = 0, group: str = ""
 ) -> list[dict[str, Any]]:
     """What frames a file has: a dict for each, of step, time, particles, columns, line, units."""
-    return _recon.list_frames(path, None if columns is None else list(columns), skip_rows)
+    return _recon.list_frames(path, None if columns is None else list(columns), skip_rows, group)
 
 
 def write(
