@@ -43,6 +43,13 @@ TESTS = {
          "programs.FilesTest.ATruncatedFile"],
     "bytes behind gzip data, or a damaged gzip stream":
         ["io.Read.CutAndDamagedGzip", "io.Read.SurvivesDamagedGzip"],
+    "a VTK, XYZ or HDF5 file that is cut, damaged or promises more than it holds":
+        ["io.ReadVtk.LegacyWhatIsWrongIsNamed", "io.ReadVtk.XmlWhatIsWrongIsNamed", "io.Xyz.WhatIsWrongIsNamed",
+         "io.other_formats_hdf5"],
+    "HDF5 with several groups of particles, or with links into other files":
+        ["io.other_formats_hdf5"],
+    "an array or a text that a format has no place for":
+        ["io.WriteParticles.NamesThatAFormatHasNoPlaceFor", "programs.ConvertTest.AnyFormatToAnyFormat"],
     "a triclinic box":
         ["io.Lammps.RestrictedTriclinicBoxes", "io.Lammps.GeneralTriclinicBoxes",
          "fields.ParticleTable.TriclinicBoxes", "programs.FilesTest.TriclinicBoxes"],

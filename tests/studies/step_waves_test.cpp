@@ -38,15 +38,15 @@ TEST(StepWaves, KnowTheShortestWave) {
   }
 }
 
-// The bar of the runs has ends, where fits are one-sided: with mass-weighted maps they agree to 3 parts in
-// 1,000.
+// The bar of the runs has ends, where fits are one-sided; the waves of the eigenvalues have none.
 TEST(StepWaves, HaveTheFrequencyAndDampingOfRuns) {
   for (const char* name : {"mpm", "cpdi1", "cpls", "impm", "bspline2", "apic"}) {
     const Method& method = method_named(name);
     const auto curve = dispersion(method, 2, 0.4);
+    const double margin = is_fit(method.velocity) ? 0.02 : 0.005;
     for (const std::size_t k : {0u, 4u, 7u}) {  // k h up to 0.47 pi
       const StepWave wave = step_wave(method, 2, 0.4, curve[k].kh);
-      EXPECT_NEAR(wave.frequency, curve[k].measured, 0.012 * wave.frequency) << name << k;
+      EXPECT_NEAR(wave.frequency, curve[k].measured, margin * wave.frequency) << name << k;
       EXPECT_NEAR(wave.damping, curve[k].damping, 0.02) << name << k;
     }
   }
