@@ -1,22 +1,13 @@
 #include "recon/core/names.hpp"
 
 #include <algorithm>
-#include <cctype>
+
+#include "core/lower_case.hpp"
 
 namespace recon {
-namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
-}
-
-}  // namespace
 
 std::size_t edit_distance(std::string_view first, std::string_view second) {
-  const std::string a = lower(first), b = lower(second);
+  const std::string a = detail::lower_case(first), b = detail::lower_case(second);
   // Three rows of the dynamic programme: two above (for swaps), one above, current.
   std::vector<std::size_t> above2(b.size() + 1), above(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
@@ -37,11 +28,11 @@ std::size_t edit_distance(std::string_view first, std::string_view second) {
 std::vector<std::string> nearest_names(std::string_view word,
                                        std::span<const std::string> candidates, std::size_t most) {
   std::vector<std::pair<std::size_t, std::string>> near;
-  const std::string wanted = lower(word);
+  const std::string wanted = detail::lower_case(word);
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
     const std::size_t longer = std::max(word.size(), candidate.size());
-    const std::string name = lower(candidate);
+    const std::string name = detail::lower_case(candidate);
     const bool contained =
         wanted.size() >= 3 && (name.find(wanted) != std::string::npos ||
                                (name.size() >= 3 && wanted.find(name) != std::string::npos));

@@ -237,40 +237,55 @@ Header for_each_row(TextFile& file, const ReadOptions& options, const Begin& beg
   return header;
 }
 
+class DelimitedFrame : public TextFrames {
+ public:
+  DelimitedFrame(TextFile& file, const ReadOptions& options)
+      : TextFrames(file), options_(&options) {}
+  const FrameInfo& info() const override { return info_; }
+  bool is_series() const override { return false; }
+
+  void skip() override {
+    for_each_row(
+        file(), *options_, [&](const Header& header) { note(header); },
+        [&](const auto&) { ++info_.particles; });
+  }
+
+  ParticleTable read() override {
+    std::optional<ColumnParser> parser;
+    const Header header = for_each_row(
+        file(), *options_,
+        [&](const Header& begun) {
+          note(begun);
+          parser.emplace(file(), begun.names);
+        },
+        [&](const std::vector<Cell>& cells) {
+          for (std::size_t c = 0; c < cells.size(); ++c) parser->add_cell(c, cells[c].text);
+          parser->end_row();
+        });
+    ParticleTable table = std::move(*parser).finish(options_->missing);
+    table.remarks.insert(table.remarks.end(), header.remarks.begin(), header.remarks.end());
+    info_.particles = table.size();
+    return table;
+  }
+
+ private:
+  bool find() override {
+    info_ = {};
+    return found() == 0;
+  }
+  void note(const Header& header) {
+    info_.columns = header.names;
+    info_.line = header.line;
+  }
+
+  const ReadOptions* options_;
+  FrameInfo info_;
+};
+
 }  // namespace
 
-bool DelimitedFrame::find() {
-  info_ = {};
-  return found() == 0;
-}
-
-void DelimitedFrame::skip() {
-  for_each_row(
-      file(), *options_,
-      [&](const Header& header) {
-        info_.columns = header.names;
-        info_.line = header.line;
-      },
-      [&](const auto&) { ++info_.particles; });
-}
-
-ParticleTable DelimitedFrame::read() {
-  std::optional<ColumnParser> parser;
-  const Header header = for_each_row(
-      file(), *options_,
-      [&](const Header& begun) {
-        info_.columns = begun.names;
-        info_.line = begun.line;
-        parser.emplace(file(), begun.names);
-      },
-      [&](const std::vector<Cell>& cells) {
-        for (std::size_t c = 0; c < cells.size(); ++c) parser->add_cell(c, cells[c].text);
-        parser->end_row();
-      });
-  ParticleTable table = std::move(*parser).finish(options_->missing);
-  table.remarks.insert(table.remarks.end(), header.remarks.begin(), header.remarks.end());
-  info_.particles = table.size();
-  return table;
+std::unique_ptr<FrameSource> delimited_frame(TextFile& file, const ReadOptions& options) {
+  return std::make_unique<DelimitedFrame>(file, options);
 }
 
 }  // namespace recon::detail

@@ -57,63 +57,20 @@ class TextFrames : public FrameSource {
 std::vector<std::string> to_utf8(const std::vector<std::string>& names,
                                  std::vector<std::string>& remarks);
 
+// Whether the edges of a cell lie along x, y and z.
+bool is_orthogonal(const SimulationCell& cell);
 // The box of a table from three edges: an orthogonal one where these lie along x, y, z.
 void set_cell_or_box(ParticleTable& table, const SimulationCell& cell,
                      std::array<bool, max_dimension> periodic);
 
-class LammpsFrames : public TextFrames {
- public:
-  LammpsFrames(TextFile& file, const ReadOptions& options);
-  ~LammpsFrames() override;
-  const FrameInfo& info() const override;
-  void skip() override;
-  ParticleTable read() override;
-
- private:
-  bool find() override;
-  bool is_series() const override { return true; }
-
-  struct Header;
-  const ReadOptions* options_;
-  std::unique_ptr<Header> header_;
-};
-
 // Whether the file that stands at its beginning is XYZ: its first line is one number of particles.
 bool is_xyz(TextFile& file);
 
-class XyzFrames : public TextFrames {
- public:
-  XyzFrames(TextFile& file, const ReadOptions& options);
-  ~XyzFrames() override;
-  const FrameInfo& info() const override;
-  void skip() override;
-  ParticleTable read() override;
-
- private:
-  bool find() override;
-  bool is_series() const override { return true; }
-
-  struct Header;
-  const ReadOptions* options_;
-  std::unique_ptr<Header> header_;
-};
-
-// Delimited text is one frame.
-class DelimitedFrame : public TextFrames {
- public:
-  DelimitedFrame(TextFile& file, const ReadOptions& options)
-      : TextFrames(file), options_(&options) {}
-  const FrameInfo& info() const override { return info_; }
-  void skip() override;
-  ParticleTable read() override;
-
- private:
-  bool find() override;
-  bool is_series() const override { return false; }
-
-  const ReadOptions* options_;
-  FrameInfo info_;
-};
+// The frames of a file of each text format, which stands at its beginning; both arguments must outlive
+// them. Delimited text is one frame.
+std::unique_ptr<FrameSource> lammps_frames(TextFile& file, const ReadOptions& options);
+std::unique_ptr<FrameSource> xyz_frames(TextFile& file, const ReadOptions& options);
+std::unique_ptr<FrameSource> delimited_frame(TextFile& file, const ReadOptions& options);
 
 // What a VTK file holds at points, as far as a table of particles has a place for it.
 struct VtkPoints {
@@ -127,23 +84,8 @@ struct VtkPoints {
 VtkPoints read_legacy_vtk(std::string_view bytes, const std::filesystem::path& path);
 VtkPoints read_xml_vtk(std::string_view bytes, const std::filesystem::path& path);
 
-// A VTK file is one frame, and read as a whole.
-class VtkFrame : public FrameSource {
- public:
-  VtkFrame(const std::string& bytes, const std::filesystem::path& path, bool xml,
-           const ReadOptions& options);
-  bool next() override;
-  const FrameInfo& info() const override { return info_; }
-  void skip() override {}
-  ParticleTable read() override { return table_; }
-  void go_to(std::size_t) override { done_ = false; }
-  bool is_series() const override { return false; }
-
- private:
-  ParticleTable table_;
-  FrameInfo info_;
-  bool done_ = false;
-};
+// What a table of particles makes of it: one frame.
+std::unique_ptr<FrameSource> vtk_frame(VtkPoints read, const ReadOptions& options);
 
 // Particles in an HDF5 file: H5MD, or as openPMD lays them out. `image` are the bytes of the file;
 // if it is empty, the file is opened by its path. Throws FileError where recon was built

@@ -281,45 +281,46 @@ ParticleTable read_atoms(TextFile& file, const Frame& frame,
   return std::move(parser).finish(missing);
 }
 
+class LammpsFrames : public TextFrames {
+ public:
+  LammpsFrames(TextFile& file, const ReadOptions& options) : TextFrames(file), options_(&options) {}
+  const FrameInfo& info() const override { return frame_.info; }
+  bool is_series() const override { return true; }
+  void skip() override { skip_atoms(file(), frame_); }
+
+  ParticleTable read() override {
+    ParticleTable table = read_atoms(file(), frame_, options_->missing);
+    table.step = frame_.info.step;
+    table.time = frame_.info.time;
+    table.units = frame_.info.units;
+    if (frame_.orthogonal)
+      table.set_box(frame_.box, frame_.periodic);
+    else
+      table.set_cell(frame_.cell, frame_.periodic);
+    add_unscaled(table, frame_.cell);
+    table.remarks.insert(table.remarks.end(), frame_.remarks.begin(), frame_.remarks.end());
+    if (!frame_.has_flags)
+      table.remarks.push_back("ITEM: BOX BOUNDS has no boundary flags: taken as periodic nowhere");
+    return table;
+  }
+
+ private:
+  bool find() override {
+    Frame next;
+    next.info.units = frame_.info.units;
+    if (!read_header(file(), options_->columns, next)) return false;
+    frame_ = std::move(next);
+    return true;
+  }
+
+  const ReadOptions* options_;
+  Frame frame_;
+};
+
 }  // namespace
 
-struct LammpsFrames::Header : Frame {};
-
-LammpsFrames::LammpsFrames(TextFile& file, const ReadOptions& options)
-    : TextFrames(file), options_(&options), header_(new Header) {}
-LammpsFrames::~LammpsFrames() = default;
-
-bool LammpsFrames::find() {
-  auto header = std::make_unique<Header>();
-  header->info.units = header_->info.units;
-  if (!read_header(file(), options_->columns, *header)) return false;
-  header_ = std::move(header);
-  return true;
-}
-
-const FrameInfo& LammpsFrames::info() const {
-  return header_->info;
-}
-
-void LammpsFrames::skip() {
-  skip_atoms(file(), *header_);
-}
-
-ParticleTable LammpsFrames::read() {
-  const Frame& frame = *header_;
-  ParticleTable table = read_atoms(file(), frame, options_->missing);
-  table.step = frame.info.step;
-  table.time = frame.info.time;
-  table.units = frame.info.units;
-  if (frame.orthogonal)
-    table.set_box(frame.box, frame.periodic);
-  else
-    table.set_cell(frame.cell, frame.periodic);
-  add_unscaled(table, frame.cell);
-  table.remarks.insert(table.remarks.end(), frame.remarks.begin(), frame.remarks.end());
-  if (!frame.has_flags)
-    table.remarks.push_back("ITEM: BOX BOUNDS has no boundary flags: taken as periodic nowhere");
-  return table;
+std::unique_ptr<FrameSource> lammps_frames(TextFile& file, const ReadOptions& options) {
+  return std::make_unique<LammpsFrames>(file, options);
 }
 
 }  // namespace recon::detail

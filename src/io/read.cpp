@@ -79,20 +79,22 @@ void TextFrames::go_to(std::size_t frame) {
   begins_.resize(frame);
 }
 
+bool is_orthogonal(const SimulationCell& cell) {
+  for (int e = 0; e < max_dimension; ++e)
+    for (int d = 0; d < max_dimension; ++d)
+      if (!(d == e ? cell.edges[e][d] >= 0 : cell.edges[e][d] == 0)) return false;
+  return true;
+}
+
 void set_cell_or_box(ParticleTable& table, const SimulationCell& cell,
                      std::array<bool, max_dimension> periodic) {
+  if (!is_orthogonal(cell)) return table.set_cell(cell, periodic);
   Box<double> box = Box<double>::empty(max_dimension);
-  bool orthogonal = true;
   for (int e = 0; e < max_dimension; ++e) {
-    for (int d = 0; d < max_dimension; ++d)
-      orthogonal = orthogonal && (d == e ? cell.edges[e][d] >= 0 : cell.edges[e][d] == 0);
     box.lower[e] = cell.origin[e];
     box.upper[e] = cell.origin[e] + cell.edges[e][e];
   }
-  if (orthogonal)
-    table.set_box(box, periodic);
-  else
-    table.set_cell(cell, periodic);
+  table.set_box(box, periodic);
 }
 
 std::vector<std::string> to_utf8(const std::vector<std::string>& names,
@@ -142,8 +144,9 @@ struct FrameReader::State {
       const bool by_path = sizeof...(from) == 1 && !bytes.is_gzip();
       source = detail::open_hdf5_particles(path, by_path ? "" : whole(bytes), options);
     } else {
-      source = std::make_unique<detail::VtkFrame>(whole(bytes), path, content == Content::xml_vtk,
-                                                  options);
+      const auto reader =
+          content == Content::xml_vtk ? detail::read_xml_vtk : detail::read_legacy_vtk;
+      source = detail::vtk_frame(reader(whole(bytes), path), options);
     }
   }
 
@@ -158,11 +161,11 @@ struct FrameReader::State {
                         "there is nothing behind the " + std::to_string(options.skip_rows) +
                             " rows to skip: the file has " + std::to_string(skipped) + " lines");
     if (is_lammps_dump(file))
-      source = std::make_unique<detail::LammpsFrames>(file, options);
+      source = detail::lammps_frames(file, options);
     else if (options.columns.empty() && detail::is_xyz(file))
-      source = std::make_unique<detail::XyzFrames>(file, options);
+      source = detail::xyz_frames(file, options);
     else
-      source = std::make_unique<detail::DelimitedFrame>(file, options);
+      source = detail::delimited_frame(file, options);
   }
 
   // Calls use() on the next frame; false at the end of the file, or where it ends within a frame

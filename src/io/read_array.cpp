@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
+
+#include "core/lower_case.hpp"
 
 namespace recon::detail {
 
@@ -19,12 +20,6 @@ constexpr std::array known_arrays{
     Known{"force", "f"},    Known{"forces", "f"},     Known{"image", "i"},
 };
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
 }  // namespace
 
 std::string column_name(const std::string& array, int component, int components,
@@ -34,7 +29,7 @@ std::string column_name(const std::string& array, int component, int components,
   if (components <= max_dimension) {
     const std::string axis(1, "xyz"[component]);
     for (const Known& known : known_arrays)
-      if (known.array == lower(array)) return std::string(known.prefix) + axis;
+      if (known.array == lower_case(array)) return std::string(known.prefix) + axis;
     return array + "_" + axis;
   }
   const bool named = component_names.size() == static_cast<std::size_t>(components) &&
@@ -121,12 +116,13 @@ std::vector<ReadArray> arrays_of(const ParticleTable& table,
     array.name = group.array;
     array.components = static_cast<int>(group.columns.size());
     array.whole = true;
-    for (const std::string& column : group.columns)
-      array.whole = array.whole && is_whole(column, table.raw_column(column));
-    array.values.reserve(table.size() * group.columns.size());
-    for (std::size_t i = 0; i < table.size(); ++i)
-      for (const std::string& column : group.columns)
-        array.values.push_back(table.raw_column(column)[i]);
+    array.values.resize(table.size() * group.columns.size());
+    for (std::size_t c = 0; c < group.columns.size(); ++c) {
+      const std::vector<double>& column = table.raw_column(group.columns[c]);
+      array.whole = array.whole && is_whole(group.columns[c], column);
+      for (std::size_t i = 0; i < table.size(); ++i)
+        array.values[i * group.columns.size() + c] = column[i];
+    }
   }
   return arrays;
 }

@@ -490,40 +490,4 @@ VtkPoints read_xml_vtk(std::string_view bytes, const std::filesystem::path& path
   return XmlReader(bytes, path).read();
 }
 
-VtkFrame::VtkFrame(const std::string& bytes, const std::filesystem::path& path, bool xml,
-                   const ReadOptions& options) {
-  VtkPoints read = xml ? read_xml_vtk(bytes, path) : read_legacy_vtk(bytes, path);
-  std::vector<ReadColumn> columns;
-  add_columns({"position", max_dimension, std::move(read.points), {}}, columns);
-  for (ReadArray& array : read.arrays) {
-    const std::size_t before = columns.size();
-    if (array.name.empty()) array.name = "unnamed";
-    add_columns(array, columns);
-    array.values = {};
-    for (std::size_t c = before; c < columns.size(); ++c) {
-      if (!axis_of_coordinate(columns[c].name)) continue;
-      read.remarks.push_back("the array " + columns[c].name + " is called data_" + columns[c].name +
-                             ", for the points have coordinates of their own");
-      columns[c].name = "data_" + columns[c].name;
-    }
-  }
-  for (const ReadColumn& column : columns) info_.columns.push_back(column.name);
-  info_.particles = columns.front().values.size();
-  info_.step = read.step;
-  info_.time = read.time;
-  table_.add_read_columns(std::move(columns));
-  for (const std::string& marker : options.missing) table_.declare_missing(marker);
-  table_.step = read.step;
-  table_.time = read.time;
-  table_.remarks = std::move(read.remarks);
-  if (const auto repeated = table_.repeated_names(); !repeated.empty())
-    table_.remarks.push_back("the name of several arrays, which can therefore not be used: " +
-                             repeated.front());
-}
-
-bool VtkFrame::next() {
-  if (done_) return false;
-  return done_ = true;
-}
-
 }  // namespace recon::detail

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <unordered_set>
 
+#include "csv_text.hpp"
 #include "number_text.hpp"
 #include "recon/io/atomic_file.hpp"
 #include "recon/io/write.hpp"
@@ -9,19 +10,6 @@
 namespace recon {
 
 namespace {
-
-bool needs_quotes(const std::string& name) {
-  return name.find_first_of(",;\t\"") != std::string::npos || name.starts_with(' ') ||
-         name.ends_with(' ') || std::string("#%+-.0123456789").find(name[0]) != std::string::npos;
-}
-
-std::string quoted(const std::string& name) {
-  if (!needs_quotes(name)) return name;
-  std::string text(1, '"');
-  for (const char c : name) text.append(c == '"' ? 2 : 1, c);
-  text += '"';
-  return text;
-}
 
 std::string header(int dimension, const FieldSet& fields) {
   std::vector<std::string> names;
@@ -36,7 +24,7 @@ std::string header(int dimension, const FieldSet& fields) {
         used.insert(name).second, "name of a column", name,
         "must be used only once in a CSV file (coordinates are x, y, z); rename the field");
     if (!line.empty()) line += ',';
-    line += quoted(name);
+    line += detail::csv_name(name);
   }
   return line + '\n';
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
+#include "core/lower_case.hpp"
+#include "csv_text.hpp"
+#include "formats.hpp"
 #include "h5md_file.hpp"
 #include "number_text.hpp"
 #include "read_array.hpp"
@@ -96,10 +98,38 @@ void append_real(std::string& line, double value) {
     append_number(line, value);
 }
 
-std::string extension_of(const fs::path& path) {
-  std::string text = path.extension().string();
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
+// Columns of a table, row by row.
+class Cells {
+ public:
+  void add(const ParticleTable& table, const std::string& name) {
+    numbers_.push_back(&table.raw_column(name));
+    texts_.push_back(&table.texts(name));
+  }
+  std::size_t count() const { return numbers_.size(); }
+  // Appends what stands in a column: a number, or a text as `as_cell` makes a cell of it.
+  template <class AsCell>
+  void append(std::string& line, std::size_t row, std::size_t column, const AsCell& as_cell) const {
+    if (const auto text = texts_[column]->at(static_cast<std::uint32_t>(row)))
+      line += as_cell(*text);
+    else
+      append_real(line, (*numbers_[column])[row]);
+  }
+  // Appends a whole row.
+  template <class AsCell>
+  void append(std::string& line, std::size_t row, char between, const AsCell& as_cell) const {
+    for (std::size_t c = 0; c < count(); ++c) {
+      if (c > 0) line += between;
+      append(line, row, c, as_cell);
+    }
+  }
+
+ private:
+  std::vector<const std::vector<double>*> numbers_;
+  std::vector<const TextCells*> texts_;
+};
+
+std::string as_plain_word(std::string_view text) {
+  return as_word(text);
 }
 
 // --- CSV -----------------------------------------------------------------------------------------
@@ -112,41 +142,21 @@ class CsvParticles : public ParticleWriter::Format {
     const std::vector<std::string> names = table.all_names();
     note_repeated(table);
     std::string line;
-    for (const std::string& name : names) line += (line.empty() ? "" : ",") + quoted(name, true);
-    file_.write(line + "\n");
-    std::vector<const std::vector<double>*> values;
-    std::vector<const TextCells*> texts;
+    Cells cells;
     for (const std::string& name : names) {
-      values.push_back(&table.raw_column(name));
-      texts.push_back(&table.texts(name));
+      line += (line.empty() ? "" : ",") + detail::csv_name(name);
+      cells.add(table, name);
     }
+    file_.write(line + "\n");
     for (std::size_t i = 0; i < table.size(); ++i) {
       line.clear();
-      for (std::size_t c = 0; c < names.size(); ++c) {
-        if (c > 0) line += ',';
-        const auto text = texts[c]->at(static_cast<std::uint32_t>(i));
-        if (text)
-          line += quoted(std::string(*text), false);
-        else
-          append_real(line, (*values[c])[i]);
-      }
+      cells.append(line, i, ',', detail::csv_text);
       file_.write(line += '\n');
     }
   }
   void commit() override { file_.commit(); }
 
  private:
-  static std::string quoted(const std::string& text, bool name) {
-    const bool plain = text.find_first_of(",;\t\"") == std::string::npos &&
-                       !text.starts_with(' ') && !text.ends_with(' ');
-    const bool starts_well = text.empty() || std::string("#%").find(text[0]) == std::string::npos;
-    const bool number_like =
-        name && !text.empty() && std::string("+-.0123456789").find(text[0]) != std::string::npos;
-    if (plain && starts_well && !number_like) return text;
-    std::string out(1, '"');
-    for (const char c : text) out.append(c == '"' ? 2 : 1, c);
-    return out + '"';
-  }
   AtomicFile file_;
 };
 
@@ -191,12 +201,19 @@ class XyzParticles : public ParticleWriter::Format {
           .push_back(name);
     const std::vector<ReadArray> arrays = detail::arrays_of(table, numbers);
 
+    Cells kind, cells;
+    if (!species.empty()) kind.add(table, species);
+    for (const std::string& word : words) cells.add(table, word);
     std::string text = std::to_string(table.size()) + "\n" + comment(table, words, arrays) + "\n";
     for (std::size_t i = 0; i < table.size(); ++i) {
-      text += species.empty() ? "X" : cell(table, species, i);
+      if (species.empty()) text += 'X';
+      kind.append(text, i, ' ', as_plain_word);
       for (std::size_t d = 0; d < max_dimension; ++d)
         append(text, positions[i * max_dimension + d]);
-      for (const std::string& word : words) text += ' ' + cell(table, word, i);
+      for (std::size_t c = 0; c < cells.count(); ++c) {
+        text += ' ';
+        cells.append(text, i, c, as_plain_word);
+      }
       for (const ReadArray& array : arrays) {
         const auto count = static_cast<std::size_t>(array.components);
         for (std::size_t c = 0; c < count; ++c) append(text, array.values[i * count + c]);
@@ -213,13 +230,6 @@ class XyzParticles : public ParticleWriter::Format {
     for (const char* name : {"element", "species", "type"})
       if (std::find(names.begin(), names.end(), name) != names.end()) return name;
     return "";
-  }
-  static std::string cell(const ParticleTable& table, const std::string& name, std::size_t row) {
-    const auto text = table.texts(name).at(static_cast<std::uint32_t>(row));
-    if (text) return as_word(*text);
-    std::string number;
-    append_real(number, table.raw_column(name)[row]);
-    return number;
   }
   static void append(std::string& text, double value) {
     text += ' ';
@@ -297,26 +307,17 @@ class DumpParticles : public ParticleWriter::Format {
             std::to_string(table.step.value_or(static_cast<std::int64_t>(frames))) +
             "\nITEM: NUMBER OF ATOMS\n" + std::to_string(table.size()) + "\n" + box(table) +
             "ITEM: ATOMS";
-    std::vector<const std::vector<double>*> values;
-    std::vector<const TextCells*> texts;
+    Cells cells;
     for (const std::string& name : names) {
       const std::string word = in_dump(name);
       if (word != name) note("renamed: " + name + " to " + word);
       text += ' ' + word;
-      values.push_back(&table.raw_column(name));
-      texts.push_back(&table.texts(name));
+      cells.add(table, name);
     }
     file_.write(text += '\n');
     for (std::size_t i = 0; i < table.size(); ++i) {
       text.clear();
-      for (std::size_t c = 0; c < names.size(); ++c) {
-        if (c > 0) text += ' ';
-        const auto word = texts[c]->at(static_cast<std::uint32_t>(i));
-        if (word)
-          text += as_word(*word);
-        else
-          append_real(text, (*values[c])[i]);
-      }
+      cells.append(text, i, ' ', as_plain_word);
       file_.write(text += '\n');
     }
   }
@@ -341,13 +342,11 @@ class DumpParticles : public ParticleWriter::Format {
     }
     std::string text;
     const auto& e = cell->edges;
-    bool orthogonal = true, restricted = true;
+    bool restricted = true;
     for (int i = 0; i < max_dimension; ++i)
-      for (int d = 0; d < max_dimension; ++d) {
-        orthogonal = orthogonal && (i == d ? e[i][d] >= 0 : e[i][d] == 0);
-        restricted = restricted && (d > i ? e[i][d] == 0 : d < i || e[i][d] > 0);
-      }
-    if (orthogonal) {
+      for (int d = i; d < max_dimension; ++d)
+        restricted = restricted && (d > i ? e[i][d] == 0 : e[i][d] > 0);
+    if (detail::is_orthogonal(*cell)) {
       text = "ITEM: BOX BOUNDS" + flags + "\n";
       for (int d = 0; d < max_dimension; ++d)
         add_line(text, {cell->origin[d], cell->origin[d] + e[d][d]});
@@ -473,7 +472,7 @@ ParticleFormat particle_format_of(const fs::path& path) {
        {".lammpstrj", ParticleFormat::lammps_dump},
        {".h5", ParticleFormat::h5md},
        {".h5md", ParticleFormat::h5md}}};
-  const std::string own = extension_of(path);
+  const std::string own = detail::lower_case(path.extension().string());
   std::vector<std::string> extensions;
   for (const auto& [extension, format] : known) {
     if (own == extension) return format;

@@ -8,11 +8,11 @@
 // L (T or F, which become 1 and 0).
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 
 #include "column_parser.hpp"
+#include "core/lower_case.hpp"
 #include "formats.hpp"
 
 namespace recon::detail {
@@ -30,12 +30,6 @@ struct XyzFrame {
 
 using Pairs = std::map<std::string, std::string, std::less<>>;
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
 // The key=value pairs of a comment; words without '=' are passed over.
 Pairs read_pairs(const TextFile& file, std::string_view line) {
   Pairs pairs;
@@ -45,7 +39,7 @@ Pairs read_pairs(const TextFile& file, std::string_view line) {
     while (at < line.size() && is_blank(line[at])) ++at;
     const std::size_t begin = at;
     while (at < line.size() && line[at] != '=' && !is_blank(line[at])) ++at;
-    const std::string key = lower(line.substr(begin, at - begin));
+    const std::string key = lower_case(line.substr(begin, at - begin));
     if (at >= line.size() || line[at] != '=') continue;
     ++at;
     const char open = at < line.size() ? line[at] : ' ';
@@ -91,7 +85,7 @@ std::array<bool, max_dimension> read_periods(const TextFile& file, std::string_v
   std::array<bool, max_dimension> periodic{};
   if (words.size() != max_dimension) file.fail("pbc needs three letters T or F");
   for (std::size_t d = 0; d < max_dimension; ++d) {
-    const std::string word = lower(words[d]);
+    const std::string word = lower_case(words[d]);
     const bool yes = word == "t" || word == "true" || word == "1";
     if (!yes && word != "f" && word != "false" && word != "0")
       file.fail(quote(words[d]) + " is neither T nor F: pbc needs three of these");
@@ -147,7 +141,7 @@ void read_properties(const TextFile& file, const std::string& text, XyzFrame& fr
 
 void read_comment(const TextFile& file, std::string_view line, XyzFrame& frame) {
   // A comment that is no list of pairs is none of our business.
-  const std::string head = lower(line);
+  const std::string head = lower_case(line);
   const bool extended =
       head.find("properties=") != std::string::npos || head.find("lattice=") != std::string::npos;
   if (!extended) return;
@@ -228,6 +222,63 @@ std::string_view cell_of(const TextFile& file, const std::string& name, char typ
   file.fail(quote(text) + " is neither T nor F: " + quote(name) + " is of type L");
 }
 
+class XyzFrames : public TextFrames {
+ public:
+  XyzFrames(TextFile& file, const ReadOptions& options) : TextFrames(file), options_(&options) {}
+  const FrameInfo& info() const override { return frame_.info; }
+  bool is_series() const override { return true; }
+
+  void skip() override {
+    std::vector<std::string_view> cells;
+    for (std::size_t i = 0; i < frame_.info.particles; ++i) particle_line(file(), frame_, i, cells);
+  }
+
+  ParticleTable read() override {
+    ColumnParser parser(file(), frame_.info.columns);
+    parser.reserve(frame_.info.particles);
+    std::vector<std::string_view> cells;
+    for (std::size_t i = 0; i < frame_.info.particles; ++i) {
+      particle_line(file(), frame_, i, cells);
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        parser.add_cell(c, cell_of(file(), frame_.info.columns[c], frame_.types[c], cells[c]));
+      parser.end_row();
+    }
+    ParticleTable table = std::move(parser).finish(options_->missing);
+    table.step = frame_.info.step;
+    table.time = frame_.info.time;
+    table.remarks.insert(table.remarks.end(), frame_.remarks.begin(), frame_.remarks.end());
+    if (!frame_.cell) return table;
+    set_cell_or_box(table, *frame_.cell, frame_.periodic);
+    if (!frame_.has_periods)
+      table.remarks.push_back(
+          "the comment of the frame has a Lattice and no pbc: taken as periodic");
+    return table;
+  }
+
+ private:
+  bool find() override {
+    XyzFrame next;
+    std::string_view line;
+    do {
+      if (!file().next(line)) return false;
+    } while (trim(line).empty());
+    next.info.line = file().line_number();
+    const std::optional<std::size_t> count = count_on(line);
+    if (!count)
+      file().fail(quote(line) + (found() == 0 ? "" : " behind a frame") +
+                  ": XYZ needs the number of particles on this line");
+    next.info.particles = *count;
+    if (!file().next(line)) file().fail("the file ends where XYZ has a comment");
+    read_comment(file(), line, next);
+    if (next.info.columns.empty()) name_plain_columns(file(), next);
+    frame_ = std::move(next);
+    return true;
+  }
+
+  const ReadOptions* options_;
+  XyzFrame frame_;
+};
+
 }  // namespace
 
 bool is_xyz(TextFile& file) {
@@ -238,61 +289,8 @@ bool is_xyz(TextFile& file) {
   return counts;
 }
 
-struct XyzFrames::Header : XyzFrame {};
-
-XyzFrames::XyzFrames(TextFile& text, const ReadOptions& options)
-    : TextFrames(text), options_(&options), header_(new Header) {}
-XyzFrames::~XyzFrames() = default;
-
-bool XyzFrames::find() {
-  auto header = std::make_unique<Header>();
-  std::string_view line;
-  do {
-    if (!file().next(line)) return false;
-  } while (trim(line).empty());
-  header->info.line = file().line_number();
-  const std::optional<std::size_t> count = count_on(line);
-  if (!count)
-    file().fail(quote(line) + (found() == 0 ? "" : " behind a frame") +
-                ": XYZ needs the number of particles on this line");
-  header->info.particles = *count;
-  if (!file().next(line)) file().fail("the file ends where XYZ has a comment");
-  read_comment(file(), line, *header);
-  if (header->info.columns.empty()) name_plain_columns(file(), *header);
-  header_ = std::move(header);
-  return true;
-}
-
-const FrameInfo& XyzFrames::info() const {
-  return header_->info;
-}
-
-void XyzFrames::skip() {
-  std::vector<std::string_view> cells;
-  for (std::size_t i = 0; i < header_->info.particles; ++i)
-    particle_line(file(), *header_, i, cells);
-}
-
-ParticleTable XyzFrames::read() {
-  const XyzFrame& frame = *header_;
-  ColumnParser parser(file(), frame.info.columns);
-  parser.reserve(frame.info.particles);
-  std::vector<std::string_view> cells;
-  for (std::size_t i = 0; i < frame.info.particles; ++i) {
-    particle_line(file(), frame, i, cells);
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      parser.add_cell(c, cell_of(file(), frame.info.columns[c], frame.types[c], cells[c]));
-    parser.end_row();
-  }
-  ParticleTable table = std::move(parser).finish(options_->missing);
-  table.step = frame.info.step;
-  table.time = frame.info.time;
-  table.remarks.insert(table.remarks.end(), frame.remarks.begin(), frame.remarks.end());
-  if (!frame.cell) return table;
-  set_cell_or_box(table, *frame.cell, frame.periodic);
-  if (!frame.has_periods)
-    table.remarks.push_back("the comment of the frame has a Lattice and no pbc: taken as periodic");
-  return table;
+std::unique_ptr<FrameSource> xyz_frames(TextFile& file, const ReadOptions& options) {
+  return std::make_unique<XyzFrames>(file, options);
 }
 
 }  // namespace recon::detail

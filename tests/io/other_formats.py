@@ -51,10 +51,10 @@ def single(number):
 COUNT = 2000  # more than a block of VTK's compressor holds
 
 # Particles in a dump that recon converts for the others to read.
-DUMP = """ITEM: TIME
-0.5
+FRAME = """ITEM: TIME
+{}
 ITEM: TIMESTEP
-10
+{}
 ITEM: NUMBER OF ATOMS
 2
 ITEM: BOX BOUNDS pp ff pp
@@ -62,22 +62,10 @@ ITEM: BOX BOUNDS pp ff pp
 0 1
 0 4
 ITEM: ATOMS id element x y z vx vy vz mass
-7 Fe 0.1 0.2 0.3 1.5 -2.5 1e-3 0.7
-9 O 0.4 0.5 0.6 0 0 3.25 0.3
-ITEM: TIME
-0.75
-ITEM: TIMESTEP
-20
-ITEM: NUMBER OF ATOMS
-2
-ITEM: BOX BOUNDS pp ff pp
--1 2.5
-0 1
-0 4
-ITEM: ATOMS id element x y z vx vy vz mass
-7 Fe 0.2 0.2 0.3 1.5 -2.5 1e-3 0.7
-9 O 0.5 0.5 0.6 0 0 3.25 0.3
+7 Fe {} 0.2 0.3 1.5 -2.5 1e-3 0.7
+9 O {} 0.5 0.6 0 0 3.25 0.3
 """
+DUMP = FRAME.format(0.5, 10, 0.1, 0.4) + FRAME.format(0.75, 20, 0.2, 0.5)
 
 
 def vtk():
