@@ -18,8 +18,7 @@ class VtkFrame : public FrameSource {
       for (std::size_t c = before; c < columns.size(); ++c) {
         if (!axis_of_coordinate(columns[c].name)) continue;
         read.remarks.push_back("the array " + columns[c].name + " is called data_" +
-                               columns[c].name +
-                               ", for the points have coordinates of their own");
+                               columns[c].name + ", for the points have coordinates of their own");
         columns[c].name = "data_" + columns[c].name;
       }
     }
