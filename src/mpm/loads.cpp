@@ -16,8 +16,16 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
   with_shape(problem.method, [&](auto shape_of) {
     typename decltype(shape_of)::template Nodes<D> shape;
     for (const Load<D>& load : problem.loads) {
-      shape_of.shape(problem.grid, s.particles, load.particle, shape);
-      shape.add(nodes.force, force_of(load, s.particles, s.time), trusted);
+      functions_of(problem, s.particles, nodes, shape_of, load.particle, shape);
+      const LoadedPlace<D> place = place_of(load, s.particles);
+      const Vector<D> force = load.force(place, s.time);
+      const Vector<D> d = place.x - s.particles.x[load.particle];
+      for (std::size_t k = 0; k < shape.size(); ++k) {
+        const double by_slope = shape.G[k].dot(d);
+        nodes.force[shape.node[k]] += (shape.S[k] + by_slope) * force;
+        // As of stresses, the part of a light node does not shrink with its mass.
+        if (!nodes.internal.empty()) nodes.internal[shape.node[k]] += by_slope * force;
+      }
     }
   });
 }

@@ -23,7 +23,7 @@ void Step<D>::to_nodes(const State<D>& s) {
   mass->accelerate(s, from, boundaries, nodes_);  // 2  a_i = f_i / m_i + g
   map->velocities(s, nodes_);
   nodes_.velocity = nodes_.mapped;
-  boundaries.hold(nodes_);
+  boundaries.hold(s.time, problem_->method.velocity_lag(s.last_dt), nodes_);
 }
 
 template <int D>

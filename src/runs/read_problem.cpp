@@ -31,6 +31,7 @@ const KnownKeys fixed_keys{
      "body.layout",
      "body.jitter",
      "body.angular",
+     "body.angles",
      "body.velocity",
      "body.radius",
      "body.inner",
@@ -50,7 +51,8 @@ const KnownKeys fixed_keys{
      "loads.body_force"},
     {"constants.*", "body.lower", "body.upper", "body.wkt", "body.file", "body.volume",
      "body.material.kind", "body.material.young", "body.material.poisson", "body.material.density",
-     "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity"}};
+     "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity", "boundary.from",
+     "boundary.to"}};
 
 KnownKeys known_keys() {
   KnownKeys keys = fixed_keys;

@@ -22,13 +22,16 @@ class Work {
     std::vector<Vector<D>> force(particles.size(), problem.gravity);
     if (problem.body_force)
       problem.body_force(particles, simulation.time(), problem.threads, force);
-    for (std::size_t p = 0; p < force.size(); ++p) force[p] *= particles.mass[p];
-    for (const Load<D>& load : problem.loads)
-      force[load.particle] += force_of(load, particles, simulation.time());
+    for (std::size_t p = 0; p < particles.size(); ++p) force[p] *= particles.mass[p];
+    std::vector<Vector<D>> places = particles.x;  // where forces act: loads have their own
+    for (const Load<D>& load : problem.loads) {
+      force.push_back(force_of(load, particles, simulation.time()));
+      places.push_back(place_of(load, particles).x);
+    }
     for (std::size_t p = 0; p < before_.size(); ++p)
-      work_ += (force[p] + force_[p]).dot(particles.x[p] - before_[p]) / 2;
+      work_ += (force[p] + force_[p]).dot(places[p] - before_[p]) / 2;
     force_ = std::move(force);
-    before_ = particles.x;
+    before_ = std::move(places);
     return work_;
   }
 
