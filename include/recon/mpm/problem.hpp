@@ -97,11 +97,14 @@ struct LoadedPlace {
 // -p place.area for a pressure p, tau * place.area0.norm() for a nominal traction tau.
 //
 // With d the vector from the particle to the place as it is now, the nodes get
-//     f_i += (S_ip + G_ip . d) f ,
-// which has the force f and its moment at the place whatever functions and domains are, because of
-// sum S = 1, sum G = 0, sum x_i (x) G_i = I. So the integral over a surface (Gong 2015, eq. 4.19)
-// is a sum over the middles of faces of particles, exact for CPDI up to bilinear functions. At the
-// particle's own place (offset 0) it is S f.
+//     f_i += w_i f ,   w_i = S_ip + G_ip . d   over domains and with mls_bspline2,
+//                      w_i = N_i at the place  for functions at points, along each axis linear
+//                                              from where others than the particle's nodes come in
+//                                              (through cells: N_i the spline whose slope G is).
+// These sum to one and have the place as their mean, so that the nodes have the force f and its
+// moment at the place, and none counts that has no mass from the particle. So the integral of
+// N_i tau over a surface (Gong 2015, eq. 4.19) is a sum over the middles of faces of particles. At
+// the particle's own place (offset 0) w is S.
 template <int D>
 struct Load {
   std::size_t particle = 0;
