@@ -10,8 +10,7 @@ BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem
     const auto plane = static_cast<std::size_t>(
         std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
     if (const int face = boundary.face(grid);
-        face != 0 && boundary.velocity[boundary.axis] &&
-        *boundary.velocity[boundary.axis] == 0.0)
+        face != 0 && boundary.velocity[boundary.axis] && *boundary.velocity[boundary.axis] == 0.0)
       walls_.push_back({boundary.axis, face > 0, &boundary});
     for (std::size_t i = 0; i < grid.size(); ++i) {
       if (grid.nodes().index(i)[boundary.axis] != plane) continue;

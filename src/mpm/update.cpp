@@ -116,8 +116,7 @@ class SingleMap : public UpdatePolicy<D> {
  private:
   // The nodes' velocities of which L is made, where some have a mass that is too small for the
   // step; empty where none has.
-  static std::vector<Vector<D>> limited(const Step<D>& step, double dt, double kick,
-                                        double after) {
+  static std::vector<Vector<D>> limited(const Step<D>& step, double dt, double kick, double after) {
     const Nodes<D>& nodes = step.nodes();
     std::vector<Vector<D>> velocity;
     if (nodes.stiffness.empty()) return velocity;

@@ -130,8 +130,7 @@ void accept(const FitReports& report, const Value& value, Nodes<D>& nodes) {
 template <int D>
 class FitMap : public MapPolicy<D> {
  public:
-  explicit FitMap(const Problem<D>& problem)
-      : MapPolicy<D>(problem), images_(images_of(problem)) {}
+  explicit FitMap(const Problem<D>& problem) : MapPolicy<D>(problem), images_(images_of(problem)) {}
 
  protected:
   using Vectors = std::vector<Vector<D>>;

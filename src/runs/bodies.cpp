@@ -91,8 +91,7 @@ std::pair<Vector<2>, Vector<2>> box_of(const Vector<2>& centre, double inner, do
   add(sector.to);
   for (double k = std::ceil(sector.from / quarter); k * quarter <= sector.to; ++k) add(k * quarter);
   std::pair<Vector<2>, Vector<2>> box{ends[0], ends[0]};
-  for (const Vector<2>& end : ends)
-    box = {box.first.cwiseMin(end), box.second.cwiseMax(end)};
+  for (const Vector<2>& end : ends) box = {box.first.cwiseMin(end), box.second.cwiseMax(end)};
   return box;
 }
 
@@ -130,10 +129,10 @@ std::vector<SurfacePart<D>> surface(const Particles<D>& particles, int body, con
   return found;
 }
 
-#define RECON_INSTANTIATE(D)                                                                      \
-  template void require_in_grid(const Grid<D>&, const Vector<D>&, const Vector<D>&);              \
-  template void fill_cells(const Grid<D>&, const Region<D>&, int, double, double, int, double,    \
-                           Particles<D>&);                                                        \
+#define RECON_INSTANTIATE(D)                                                                   \
+  template void require_in_grid(const Grid<D>&, const Vector<D>&, const Vector<D>&);           \
+  template void fill_cells(const Grid<D>&, const Region<D>&, int, double, double, int, double, \
+                           Particles<D>&);                                                     \
   template std::vector<SurfacePart<D>> surface(const Particles<D>&, int, const Side<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

@@ -121,14 +121,14 @@ class BodyReader {
         const std::vector<double> degrees = body.numbers("angles", 2);
         part = (degrees[1] - degrees[0]) / 360;
         if (!(part > 0 && part <= 1 && std::abs(degrees[0]) <= 360))
-          body.fail("angles", "must be two angles in degrees, from -360 to 360, of which the second "
-                              "is above the first by at most 360");
+          body.fail("angles",
+                    "must be two angles in degrees, from -360 to 360, of which the second "
+                    "is above the first by at most 360");
         sector = {degrees[0] * std::numbers::pi / 180, degrees[1] * std::numbers::pi / 180};
       }
       const auto [lower, upper] = box_of(centre, inner, outer, sector);
-      checked(body, "shape", [&, &low = lower, &up = upper] {
-        require_in_grid(problem_.grid, low, up);
-      });
+      checked(body, "shape",
+              [&, &low = lower, &up = upper] { require_in_grid(problem_.grid, low, up); });
       fill_ring(centre, inner, outer, sector,
                 std::max(1, static_cast<int>(std::lround(n * (outer - inner) / h))),
                 std::max(part == 1 ? 3 : 1, static_cast<int>(std::lround(part * around / h))),

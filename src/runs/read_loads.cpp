@@ -24,8 +24,9 @@ void read_point_load(ProblemReader<D>& reader, const TomlTable& table) {
   const Expression magnitude =
       reader.expression(table, "magnitude", *table.elements("magnitude", 1).front());
   problem.loads.push_back(
-      point_load<D>(nearest, reader.vector(table, "direction"),
-                    [magnitude](double t) { return magnitude({0, 0, 0, 0, 0, 0, t}); }));
+      point_load<D>(nearest, reader.vector(table, "direction"), [magnitude](double t) {
+        return magnitude({0, 0, 0, 0, 0, 0, t});
+      }));
 }
 
 // The side of a body that a table names, with this force on each part of it.
@@ -50,8 +51,7 @@ void load_side(ProblemReader<D>& reader, const TomlTable& table,
             [=](const Vector<D>& X) { return sign * (X - centre).norm(); }, true};
   } else {
     const Vector<D> out = (name.ends_with("lower") ? -1 : 1) * Vector<D>::Unit(name[0] - 'x');
-    side = {[=](const Vector<D>&) { return out; },
-            [=](const Vector<D>& X) { return X.dot(out); }};
+    side = {[=](const Vector<D>&) { return out; }, [=](const Vector<D>& X) { return X.dot(out); }};
   }
   for (const auto& part : surface<D>(problem.particles, body, side))
     problem.loads.push_back({part.particle, part.offset, part.area, force});
@@ -115,9 +115,8 @@ void hold_given(ProblemReader<D>& reader, Boundary<D>& boundary, const TomlTable
     if (value.is_constant())
       boundary.velocity[d] = value({});
     else
-      boundary.velocity[d] = HeldVelocity<D>([value](const Vector<D>& x, double t) {
-        return value(variables<D>(x, x, t));
-      });
+      boundary.velocity[d] = HeldVelocity<D>(
+          [value](const Vector<D>& x, double t) { return value(variables<D>(x, x, t)); });
   }
 }
 template <int D>
@@ -131,7 +130,8 @@ std::vector<BoundaryKind<D>> boundary_kinds() {
     of.velocity[of.axis] = 0.0;
     of.symmetry = true;
   };
-  return {{"fixed", fixed}, {"roller", roller}, {"velocity", hold_given<D>}, {"symmetry", symmetry}};
+  return {
+      {"fixed", fixed}, {"roller", roller}, {"velocity", hold_given<D>}, {"symmetry", symmetry}};
 }
 
 }  // namespace

@@ -106,8 +106,7 @@ template <int D>
 void append_rows(RowsOfParticles& rows, const std::vector<Image<D>>& images,
                  std::span<const Parity> parities) {
   const auto columns = static_cast<std::size_t>(rows.cols());
-  require(parities.size() == columns, "parities", parities.size(),
-          "must be one for each column");
+  require(parities.size() == columns, "parities", parities.size(), "must be one for each column");
   const Eigen::Index count = rows.rows();
   require_entries(static_cast<std::size_t>(count), images);
   rows.conservativeResize(count + static_cast<Eigen::Index>(images.size()), Eigen::NoChange);
@@ -120,13 +119,14 @@ void append_rows(RowsOfParticles& rows, const std::vector<Image<D>>& images,
     }
 }
 
-#define RECON_INSTANTIATE(D)                                                              \
-  template class Images<D>;                                                               \
-  template std::vector<SpaceVector<D>> with_places(const std::vector<SpaceVector<D>>&,    \
-                                                   const std::vector<Image<D>>&);         \
-  template std::vector<SpaceVector<D>> with_vectors(const std::vector<SpaceVector<D>>&,   \
-                                                    const std::vector<Image<D>>&);        \
-  template void append_rows(RowsOfParticles&, const std::vector<Image<D>>&, std::span<const Parity>);
+#define RECON_INSTANTIATE(D)                                                            \
+  template class Images<D>;                                                             \
+  template std::vector<SpaceVector<D>> with_places(const std::vector<SpaceVector<D>>&,  \
+                                                   const std::vector<Image<D>>&);       \
+  template std::vector<SpaceVector<D>> with_vectors(const std::vector<SpaceVector<D>>&, \
+                                                    const std::vector<Image<D>>&);      \
+  template void append_rows(RowsOfParticles&, const std::vector<Image<D>>&,             \
+                            std::span<const Parity>);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

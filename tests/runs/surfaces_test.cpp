@@ -49,16 +49,16 @@ std::string pulled_bar(const std::string& method, int cells) {
          "lower = [0]\nupper = [1]\nvelocity = [\"1e-5 * pi * sin(pi * X)\"]\n"
          "[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"\n"
          "[[pressure]]\nside = \"x_upper\"\nmagnitude = \"1e-5 * pi * sin(pi * t)\"\n"
-         "[method]\nname = \"" + method + "\"\n"
+         "[method]\nname = \"" +
+         method +
+         "\"\n"
          "[time]\nend = 0.5\nrule = \"bar_wave\"\ncourant = 0.2\n";
 }
 double bar_order(const std::string& method) {
   double error[2];
   for (const int finer : {0, 1})
     error[finer] = error_of<1>(from_text<1>(pulled_bar(method, finer ? 64 : 32)), 1e-5,
-                               [](const Vector<1>& X) {
-                                 return Vector<1>(std::sin(pi * X[0]));
-                               });
+                               [](const Vector<1>& X) { return Vector<1>(std::sin(pi * X[0])); });
   return std::log2(error[0] / error[1]);
 }
 
@@ -86,7 +86,8 @@ TEST_P(SurfaceOfEveryMethod, ResultantAndMomentAreExact) {
       "[[traction]]\nside = \"x_upper\"\ntraction = [\"X + y\", 2]\n"
       "[[traction]]\nside = \"y_lower\"\ntraction = [\"-x\", \"1 + t\"]\narea = \"current\"\n"
       "[[pressure]]\nside = \"y_upper\"\nmagnitude = \"1 + X * Y\"\n"
-      "[method]\nname = \"" + GetParam().name + "\"\n[time]\nend = 1\n";
+      "[method]\nname = \"" +
+      GetParam().name + "\"\n[time]\nend = 1\n";
   ProblemFile<2> file = from_text<2>(text);
   Particles<2>& particles = file.problem.particles;
   Matrix<2> F;
@@ -132,16 +133,20 @@ TEST_P(SurfaceOfEveryMethod, ResultantAndMomentAreExact) {
 std::string shear_wave(const std::string& method, int cells) {
   std::string text =
       "[constants]\nG = 1e-5\nmu = 0.5\nw = \"pi * sqrt(mu)\"\n"
-      "[grid]\nlower = [-0.5, -0.5]\nupper = [1.5, 1.5]\ncells = " + std::to_string(cells) +
+      "[grid]\nlower = [-0.5, -0.5]\nupper = [1.5, 1.5]\ncells = " +
+      std::to_string(cells) +
       "\n[material]\nyoung = 1\npoisson = 0\ndensity = 1\n[[body]]\nshape = \"box\"\n"
       "lower = [0, 0]\nupper = [1, 1]\nvelocity = [\"G * w * sin(pi * Y)\", 0]\n"
-      "[method]\nname = \"" + method + "\"\n"
+      "[method]\nname = \"" +
+      method +
+      "\"\n"
       "[time]\nend = 0.7\nrule = \"bar_wave\"\ncourant = 0.2\n";
   for (const char* side : {"x_lower", "x_upper", "y_lower", "y_upper"}) {
-    const std::string value = std::string("\"") + (std::string(side).ends_with("lower") ? "-" : "") +
+    const std::string value = std::string("\"") +
+                              (std::string(side).ends_with("lower") ? "-" : "") +
                               "mu * G * pi * cos(pi * Y) * sin(w * t)\"";
-    text += std::string("[[traction]]\nside = \"") + side + "\"\ntraction = " +
-            (side[0] == 'x' ? "[0, " + value + "]\n" : "[" + value + ", 0]\n");
+    text += std::string("[[traction]]\nside = \"") + side +
+            "\"\ntraction = " + (side[0] == 'x' ? "[0, " + value + "]\n" : "[" + value + ", 0]\n");
   }
   return text;
 }
@@ -150,10 +155,9 @@ TEST(Surfaces, TangentialTractionIsOfSecondOrder) {
   for (const char* method : {"mpm", "cpdi1", "cpls", "bspline2", "impm", "affine_cpdi2"}) {
     double error[2];
     for (const int finer : {0, 1})
-      error[finer] = error_of<2>(from_text<2>(shear_wave(method, finer ? 32 : 16)), 1e-5,
-                                 [&](const Vector<2>& X) {
-                                   return Vector<2>(amplitude * std::sin(pi * X[1]), 0);
-                                 });
+      error[finer] = error_of<2>(
+          from_text<2>(shear_wave(method, finer ? 32 : 16)), 1e-5,
+          [&](const Vector<2>& X) { return Vector<2>(amplitude * std::sin(pi * X[1]), 0); });
     EXPECT_GE(std::log2(error[0] / error[1]), 1.75) << method;
     EXPECT_LE(std::log2(error[0] / error[1]), 2.3) << method;
   }
@@ -168,7 +172,9 @@ std::string moved_bar(const std::string& method, int cells) {
          "lower = [0]\nupper = [1]\nvelocity = [\"G * pi * cos(pi * X)\"]\n"
          "[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"velocity\"\n"
          "velocity = [\"G * pi * cos(pi * (t + x))\"]\n"  // x is 0 at the node
-         "[method]\nname = \"" + method + "\"\n"
+         "[method]\nname = \"" +
+         method +
+         "\"\n"
          "[time]\nend = 0.5\nrule = \"bar_wave\"\ncourant = 0.2\n";
 }
 TEST(Boundaries, MovedEndsAreOfSecondOrder) {
@@ -176,9 +182,8 @@ TEST(Boundaries, MovedEndsAreOfSecondOrder) {
                              "apic", "ugimp+runge_kutta", "xpic"}) {
     double error[2];
     for (const int finer : {0, 1})
-      error[finer] = error_of<1>(
-          from_text<1>(moved_bar(method, finer ? 64 : 32)), 1e-5,
-          [](const Vector<1>& X) { return Vector<1>(std::cos(pi * X[0])); });
+      error[finer] = error_of<1>(from_text<1>(moved_bar(method, finer ? 64 : 32)), 1e-5,
+                                 [](const Vector<1>& X) { return Vector<1>(std::cos(pi * X[0])); });
     EXPECT_GE(std::log2(error[0] / error[1]), 1.75) << method << " " << error[1];
     EXPECT_LE(std::log2(error[0] / error[1]), 2.3) << method << " " << error[1];
   }
@@ -212,7 +217,8 @@ TEST(Boundaries, PartsOfPlanes) {
   const std::string text =
       "[grid]\nlower = [0, 0]\nupper = [1, 1]\ncells = 8\n[material]\nyoung = 1\npoisson = 0\n"
       "density = 1\n[[body]]\nshape = \"box\"\nlower = [0, 0]\nupper = [1, 1]\nvelocity = [1, 2]\n"
-      "[[boundary]]\naxis = \"x\"\nat = 0.5\nkind = \"velocity\"\nvelocity = [\"free\", \"3 * y\"]\n"
+      "[[boundary]]\naxis = \"x\"\nat = 0.5\nkind = \"velocity\"\nvelocity = [\"free\", \"3 * "
+      "y\"]\n"
       "from = [0, 0.25]\nto = [0, 0.625]\n[method]\nname = \"mpm\"\n[time]\nend = 1\n";
   const auto file = from_text<2>(text);
   Simulation<2> simulation(file.problem);
@@ -279,7 +285,8 @@ TEST(Surfaces, RoundSidesHaveTheirArea) {
     return from_text<2>(
         "[grid]\nlower = [-1, -1]\nupper = [1, 1]\ncells = 8\n[material]\nyoung = 1\npoisson = 0\n"
         "density = 1\n[[body]]\nshape = \"ring\"\ncentre = [0, 0]\ninner = 0.4\nouter = 0.9\n"
-        "layout = \"polar\"\nangular = 6\n" + keys +
+        "layout = \"polar\"\nangular = 6\n" +
+        keys +
         "[[pressure]]\nside = \"inner\"\nmagnitude = 1\n[method]\nname = \"cpdi1\"\n"
         "[time]\nend = 1\n");
   };
@@ -299,19 +306,23 @@ TEST(Symmetry, AQuarterIsAQuarterOfTheWhole) {
   const auto read = [](const std::string& method, bool whole) {
     const std::string least = whole ? "-1" : "0";
     std::string text =
-        "[grid]\nlower = [" + least + ", " + least + "]\nupper = [1, 1]\ncells = 10\n"
+        "[grid]\nlower = [" + least + ", " + least +
+        "]\nupper = [1, 1]\ncells = 10\n"
         "[material]\nyoung = 100\npoisson = 0.3\ndensity = 1\n[[body]]\nshape = \"box\"\n"
-        "lower = [" + (whole ? "-0.5, -0.5" : "0, 0") + "]\nupper = [0.5, 0.5]\n"
+        "lower = [" +
+        (whole ? "-0.5, -0.5" : "0, 0") +
+        "]\nupper = [0.5, 0.5]\n"
         "velocity = [\"sin(2 * X) * cos(Y)\", \"-cos(3 * X) * sin(Y)\"]\n"
         "[loads]\nbody_force = [\"X * cos(Y)\", \"Y * cos(X)\"]\n"
-        "[method]\nname = \"" + method + "\"\n[time]\nend = 1\n";
+        "[method]\nname = \"" +
+        method + "\"\n[time]\nend = 1\n";
     for (const char* axis : {"x", "y"})
       if (!whole)
         text += std::string("[[boundary]]\naxis = \"") + axis + "\"\nat = 0\nkind = \"symmetry\"\n";
     return from_text<2>(text);
   };
-  for (const char* method : {"mpm", "impm", "impm+degree=2", "imls_mpm", "wls", "hopic",
-                             "cpdi1+cpls", "cpdi1+mls"}) {
+  for (const char* method :
+       {"mpm", "impm", "impm+degree=2", "imls_mpm", "wls", "hopic", "cpdi1+cpls", "cpdi1+mls"}) {
     const auto whole = read(method, true), quarter = read(method, false);
     Simulation<2> of_whole(whole.problem), of_quarter(quarter.problem);
     of_whole.map();
