@@ -21,13 +21,24 @@ endfunction()
 # Optimised whatever the build type: the rest of the program must not get unoptimised helpers with instructions
 # that the processor may lack (src/core/dispatch.hpp).
 include(CheckCXXCompilerFlag)
+set(RECON_INSTRUCTION_SETS avx2 avx512 CACHE STRING "Instruction sets that kernels are compiled for, besides that of the whole build")
+foreach(set IN LISTS RECON_INSTRUCTION_SETS)
+  if(NOT set MATCHES "^(avx2|avx512)$")
+    message(FATAL_ERROR "RECON_INSTRUCTION_SETS has '${set}'; it may hold avx2 and avx512")
+  endif()
+endforeach()
+if(avx512 IN_LIST RECON_INSTRUCTION_SETS AND NOT avx2 IN_LIST RECON_INSTRUCTION_SETS)
+  message(FATAL_ERROR "RECON_INSTRUCTION_SETS has avx512, which needs avx2 beside it")
+endif()
 set(RECON_SETS generic)
 # Loops over threads are the same for every set: the thread sanitizer needs one.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND NOT RECON_SANITIZE MATCHES "thread")
   check_cxx_compiler_flag(-march=x86-64-v4 RECON_COMPILER_KNOWS_X86_LEVELS)
-  if(RECON_COMPILER_KNOWS_X86_LEVELS)
+  if(RECON_COMPILER_KNOWS_X86_LEVELS AND avx2 IN_LIST RECON_INSTRUCTION_SETS)
     list(APPEND RECON_SETS avx2)
     set(RECON_SET_DEFINITIONS RECON_AVX2_SET)
+  endif()
+  if(RECON_COMPILER_KNOWS_X86_LEVELS AND avx512 IN_LIST RECON_INSTRUCTION_SETS)
     # With clang, std::experimental::simd of libstdc++ 12 assigns to the wrong lanes of AVX-512 registers. Under
     # sanitizers these files take longest to compile, and are what avx2 has been made of.
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT RECON_SANITIZE)
