@@ -9,7 +9,7 @@
 namespace recon::mpm {
 namespace {
 
-constexpr std::size_t particles_per_block = 4096;
+constexpr std::size_t particles_per_sum = 4096;
 
 template <int D>
 void add(std::array<double, 3>& sum, const Vector<D>& value) {
@@ -44,12 +44,12 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const std::size_t modes = mode_count(map, D);
 
   // Sums of blocks, added in their order.
-  std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
+  std::vector<Ledger> blocks((particles.size() + particles_per_sum - 1) / particles_per_sum);
   with_shape(problem.method, [&](auto shape_of) {
     parallel_blocks(
-        particles.size(), particles_per_block, problem.threads,
+        particles.size(), particles_per_sum, problem.threads,
         [&](std::size_t begin, std::size_t end) {
-          Ledger& sum = blocks[begin / particles_per_block];
+          Ledger& sum = blocks[begin / particles_per_sum];
           typename decltype(shape_of)::template Nodes<D> shape;
           ParticleModes<D, decltype(shape_of)> of;
           for (std::size_t p = begin; p < end; ++p) {

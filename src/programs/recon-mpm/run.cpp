@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RunCommand {
   ProblemOptions problem;
   std::string out, restart, picture;
   bool overwrite = false, quiet = false, json = false;
@@ -185,7 +185,7 @@ std::string shell_word(const std::string& text) {
 }
 
 // What to add to the command to go on from a checkpoint.
-std::string go_on(const Options& options, const fs::path& checkpoint) {
+std::string go_on(const RunCommand& options, const fs::path& checkpoint) {
   return "the same command with --restart " + shell_word(checkpoint.string()) +
          (options.restart.empty() ? "" : " in the place of the one it has");
 }
@@ -198,7 +198,7 @@ struct Saved {
 };
 
 // What may help after a failure, as far as it can be done.
-std::string advice(const Options& options, const mpm::TimeOptions& time, double courant,
+std::string advice(const RunCommand& options, const mpm::TimeOptions& time, double courant,
                    const fs::path& checkpoint, const Saved& saved) {
   std::string text;
   if (saved.any) {
@@ -217,7 +217,7 @@ std::string advice(const Options& options, const mpm::TimeOptions& time, double 
 }
 
 template <int D>
-void run(const Options& options, const mpm::ProblemFile<D>& file) {
+void run(const RunCommand& options, const mpm::ProblemFile<D>& file) {
   const fs::path problem_path = options.problem.file;
   const std::string name = problem_path.stem().string();
   mpm::RunOptions run_options;
@@ -300,7 +300,7 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
 
 Command add_run(CLI::App& app) {
   auto* command = app.add_subcommand("run", "one run: frames for ParaView, a ledger, checkpoints");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunCommand>();
   options->problem.add_to(*command, true);
   command->add_option("--out", options->out, "folder for the results (default: PROBLEM_METHOD)")
       ->type_name("FOLDER");
@@ -310,7 +310,7 @@ Command add_run(CLI::App& app) {
       ->type_name("FILE");
   command->add_flag("--overwrite", options->overwrite, "replace the results of another run");
   command->add_flag("--quiet", options->quiet, "no progress");
-  add_json_option(*command, options->json, "Options");
+  add_json_option(*command, options->json, "RunCommand");
   return [options] {
     const mpm::AnyProblem problem = options->problem.read();
     std::visit([&](const auto& file) { run(*options, file); }, problem);
