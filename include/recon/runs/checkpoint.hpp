@@ -4,7 +4,7 @@
 // The first 512 bytes are text: what the file is, its format, and a length and a checksum of the
 // rest. The rest is HDF5 (whose libraries skip the text): one data set per quantity (X, x, v, F, L,
 // stress, half_edges, mass, volume0, energy, body; corners, modes, history where there are any; a
-// row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*,
+// row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*, work,
 // and `problem`: a text of lines "key = value" with all that identifies the problem. The file is
 // written completely or not at all.
 //
@@ -26,6 +26,7 @@ namespace recon::mpm {
 struct RunState {
   Ledger start;                     // the account at the start: energy errors are relative to it
   std::vector<double> frame_times;  // the times of the frames written so far
+  double work = 0;  // of external forces so far (ledger.hpp); NaN where it was not summed up
 };
 
 // Writes a checkpoint; the memory needed for it does not depend on the number of particles. Throws
