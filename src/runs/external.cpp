@@ -126,14 +126,15 @@ RestMeasure rest_of(const Simulation<D>& simulation, const ExternalForces<D>& fo
   if (!(found.unbalanced < tolerance && found.kinetic < tolerance)) return found;
   for (const auto& held : simulation.stepper().policies().boundaries.held())
     if (simulation.nodes().velocity[held.node][held.axis] != 0) return found;
-  found.reached = still_to_come(simulation, forces.loads, simulation.problem().time.end) <=
-                  tolerance * acting;
+  found.reached =
+      still_to_come(simulation, forces.loads, simulation.problem().time.end) <= tolerance * acting;
   return found;
 }
 
-#define RECON_INSTANTIATE(D)                                                                       \
-  template ExternalForces<D> external_forces(const Simulation<D>&);                                \
-  template RestMeasure rest_of(const Simulation<D>&, const ExternalForces<D>&, double, double, double);
+#define RECON_INSTANTIATE(D)                                                                   \
+  template ExternalForces<D> external_forces(const Simulation<D>&);                            \
+  template RestMeasure rest_of(const Simulation<D>&, const ExternalForces<D>&, double, double, \
+                               double);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

@@ -75,7 +75,8 @@ Probe<D> particle_probe(const Problem<D>& problem, const Vector<D>& at, const Wo
   const Particles<D>& particles = problem.particles;
   std::size_t nearest = 0;
   for (std::size_t p = 1; p < particles.size(); ++p)
-    if ((particles.X[p] - at).squaredNorm() < (particles.X[nearest] - at).squaredNorm()) nearest = p;
+    if ((particles.X[p] - at).squaredNorm() < (particles.X[nearest] - at).squaredNorm())
+      nearest = p;
   const double away = (particles.X[nearest] - at).norm();
   const double reach = particles.half_edges[nearest].colwise().norm().sum();
   if (!(away <= reach * (1 + 1e-9)))
@@ -93,7 +94,8 @@ template <int D>
 Probe<D> point_probe(const Problem<D>& problem, const Vector<D>& at, double radius,
                      const Words& fields) {
   Probe<D> probe{"point", columns_of(problem, fields), {}};
-  require(at.allFinite() && problem.grid.contains(at), "at", text_of<D>(at), "must lie in the grid");
+  require(at.allFinite() && problem.grid.contains(at), "at", text_of<D>(at),
+          "must lie in the grid");
   require(radius > 0 && std::isfinite(radius), "radius", radius, "must be positive and finite");
   for (const std::string& field : fields)
     require(field != "id" && field != "body", "fields", field, "has no meaning between particles");
@@ -206,12 +208,12 @@ std::string probes_row(const std::vector<Probe<D>>& probes, const Simulation<D>&
   return row;
 }
 
-#define RECON_INSTANTIATE(D)                                                             \
-  template Probe<D> particle_probe(const Problem<D>&, const Vector<D>&, const Words&);   \
+#define RECON_INSTANTIATE(D)                                                                \
+  template Probe<D> particle_probe(const Problem<D>&, const Vector<D>&, const Words&);      \
   template Probe<D> point_probe(const Problem<D>&, const Vector<D>&, double, const Words&); \
-  template Probe<D> section_probe(const Problem<D>&, int, double);                       \
-  template Probe<D> reaction_probe(const Problem<D>&, std::size_t);                      \
-  template std::string probes_header(const std::vector<Probe<D>>&);                      \
+  template Probe<D> section_probe(const Problem<D>&, int, double);                          \
+  template Probe<D> reaction_probe(const Problem<D>&, std::size_t);                         \
+  template std::string probes_header(const std::vector<Probe<D>>&);                         \
   template std::string probes_row(const std::vector<Probe<D>>&, const Simulation<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

@@ -40,8 +40,7 @@ std::vector<ProbeKind<D>> probe_kinds() {
            {"axis", "at"},
            [](Reader& reader, const TomlTable& table) {
              const Words axes{"x", "y", "z"};
-             const std::string axis =
-                 table.choice("axis", std::span(axes).subspan(0, D), true);
+             const std::string axis = table.choice("axis", std::span(axes).subspan(0, D), true);
              return section_probe<D>(reader.problem(), axis[0] - 'x', table.number("at"));
            }},
           {"reaction", {"boundary"}, [](Reader& reader, const TomlTable& table) {

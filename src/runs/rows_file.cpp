@@ -15,9 +15,10 @@ RowsFile::RowsFile(const std::filesystem::path& path, const std::string& header,
     std::ifstream before(path);
     std::string line;
     if (std::getline(before, line) && line != header)
-      throw FileError(path, 1,
-                      "has other columns than this run would add to: move the file away, or ask for "
-                      "the same columns");
+      throw FileError(
+          path, 1,
+          "has other columns than this run would add to: move the file away, or ask for "
+          "the same columns");
     // A line without its end is one that a full disk has cut.
     while (std::getline(before, line) && !before.eof() && std::atoll(line.c_str()) < first_step)
       file.write(line + "\n");

@@ -90,7 +90,8 @@ template <int D>
 double error_of(const Simulation<D>& simulation, const Manufactured<D>& exact, std::size_t particle,
                 const std::string& field) {
   for (std::size_t f = 0; f < std::size(particle_error_fields); ++f)
-    if (field == particle_error_fields[f]) return std::sqrt(squared_errors(simulation, exact, particle)[f]);
+    if (field == particle_error_fields[f])
+      return std::sqrt(squared_errors(simulation, exact, particle)[f]);
   recon::detail::throw_invalid("field", field, "must be displacement, velocity, density or stress");
 }
 

