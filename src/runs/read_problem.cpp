@@ -101,8 +101,8 @@ void read_grid(ProblemReader<D>& reader) {
   grid.finish();
 }
 
-// A name, perhaps with choices in it, and choices beside it, which then stand in the name as well: what
-// a method is called says what it is. A choice is said in one place only.
+// A name, perhaps with choices in it, and choices beside it, which then stand in the name as well:
+// what a method is called says what it is. A choice is said in one place only.
 template <int D>
 void read_method(ProblemReader<D>& reader) {
   const TomlTable table = reader.file().table("method");

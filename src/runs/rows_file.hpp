@@ -1,4 +1,5 @@
-// A table of numbers that grows with a run, as CSV: complete also where the run ends by an exception.
+// A table of numbers that grows with a run, as CSV: complete also where the run ends by an
+// exception.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +9,8 @@
 
 namespace recon::mpm {
 
-// The first column of all rows is the number of the step. A run that goes on keeps the rows before its
-// first step.
+// The first column of all rows is the number of the step. A run that goes on keeps the rows before
+// its first step.
 class RowsFile {
  public:
   // Throws FileError where the file cannot be written, and for a run that goes on with rows of

@@ -126,8 +126,8 @@ TYPED_TEST(Materials, EnergyIsTheWorkPerReferenceVolume) {
   }
 }
 
-// Stress of small_strain is the slope of its energy in the strain and linear in it; a turn strains it, as
-// linear theory has it, and any shift of F that is skew does not.
+// Stress of small_strain is the slope of its energy in the strain and linear in it; a turn strains
+// it, as linear theory has it, and any shift of F that is skew does not.
 TYPED_TEST(Materials, HookesLawIsLinearInTheGradient) {
   constexpr int D = TypeParam::value;
   const SmallStrain material{Lame::from(100, 0.3)};

@@ -173,7 +173,8 @@ TEST_F(MpmFiles, MessagesNameNoEmptyPlace) {
   EXPECT_THAT(message(good, {"method.name=cpsl"}), HasSubstr("p.toml: method.name: unknown"));
 }
 
-// A choice beside the name is part of what the method is called; one that is in the name as well is refused.
+// A choice beside the name is part of what the method is called; one that is in the name as well is
+// refused.
 TEST_F(MpmFiles, AChoiceIsSaidOnce) {
   const std::string beside = with("\"cpls\"", "\"cpdi1\"\nblend = 0.25");
   const auto name_of = [&](const std::vector<std::string>& settings) {

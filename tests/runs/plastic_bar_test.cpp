@@ -1,10 +1,10 @@
-// A bar of a von Mises material that a moving boundary pulls far beyond yield, against the closed form of
-// uniaxial strain. With e = ln F, all of it elastic up to e_y = yield / (2 mu):
+// A bar of a von Mises material that a moving boundary pulls far beyond yield, against the closed
+// form of uniaxial strain. With e = ln F, all of it elastic up to e_y = yield / (2 mu):
 //     sigma = (lambda + 2 mu) e                              e <= e_y
 //     d sigma / d e = lambda + 2 mu - 4 mu^2 / (3 mu + H)    beyond
 //     plastic strain = 2 mu (e - e_y) / (3 mu + H) ,   Mises stress = yield + H plastic strain
-// for the Mises stress |sigma - sigma_beside| rises by 2 mu de, of which flow takes 3 mu dp. Unloading has
-// the elastic slope until the Mises stress is that of yield on the other side.
+// for the Mises stress |sigma - sigma_beside| rises by 2 mu de, of which flow takes 3 mu dp.
+// Unloading has the elastic slope until the Mises stress is that of yield on the other side.
 #include <cmath>
 
 #include "mpm/support.hpp"
@@ -21,8 +21,8 @@ VonMises soft_metal() {
   return metal;
 }
 
-// The bar goes on beyond the plane that is moved, so that no end of it is drawn through the cells. All of
-// it starts with the velocities of the uniform strain, and so without waves.
+// The bar goes on beyond the plane that is moved, so that no end of it is drawn through the cells.
+// All of it starts with the velocities of the uniform strain, and so without waves.
 Problem<1> bar(const std::string& method, double sign) {
   const VonMises metal = soft_metal();
   const double c = metal.p_wave_speed(1);

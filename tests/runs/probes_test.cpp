@@ -38,7 +38,8 @@ template <class T>
 class Probes : public testing::Test {};
 TYPED_TEST_SUITE(Probes, AllDimensions);
 
-// Degree 1 at any place in reach: linear fields are exact, also beside the body; no value without data.
+// Degree 1 at any place in reach: linear fields are exact, also beside the body; no value without
+// data.
 TYPED_TEST(Probes, PointsReproduceLinearFields) {
   constexpr int D = TypeParam::value;
   Vector<D> a;
@@ -107,7 +108,8 @@ TYPED_TEST(Probes, SectionsArePartitions) {
   EXPECT_NEAR(volume, all, 1e-12 * all);
 }
 
-// Reactions are what momentum lacks: that of the particles changes by k (gravity + loads + reactions).
+// Reactions are what momentum lacks: that of the particles changes by k (gravity + loads +
+// reactions).
 TYPED_TEST(Probes, ReactionsAreWhatMomentumLacks) {
   constexpr int D = TypeParam::value;
   for (const char* name : {"mpm", "cpdi1", "bspline2", "apic", "xpic"}) {

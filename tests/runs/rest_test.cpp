@@ -69,8 +69,9 @@ std::string column(int dimension, const std::string& method, const std::string& 
   return text + "[loads]\ngravity = [0, -10]\n[method]\nname = \"" + method + "\"\n" + more;
 }
 
-// Free fall, a load that follows time and a piston that moves: work is what energy gains. The work of a
-// constant force on a mass that it accelerates is integrated exactly; elsewhere to the second order.
+// Free fall, a load that follows time and a piston that moves: work is what energy gains. The work
+// of a constant force on a mass that it accelerates is integrated exactly; elsewhere to the second
+// order.
 TEST_F(MpmRest, WorkIsWhatEnergyGains) {
   const std::string fall =
       "[grid]\nlower = [0, 0]\nupper = [1, 2]\ncells = 8\n"
@@ -127,7 +128,8 @@ TEST_F(MpmRest, APistonDoesTheWorkOfItsReaction) {
   EXPECT_NEAR(result.last.balance(), 0, 0.02 * result.last.work);
 }
 
-// With `mass` a body that flies loses momentum at that rate; `local` lets a body that feels no force fly.
+// With `mass` a body that flies loses momentum at that rate; `local` lets a body that feels no
+// force fly.
 TEST_F(MpmRest, DampingTakesMotionFromTheNodes) {
   const auto flight = [&](const std::string& damping) {
     const auto file = file_of<2>(
@@ -149,8 +151,8 @@ TEST_F(MpmRest, DampingTakesMotionFromTheNodes) {
   EXPECT_NEAR(local.last.momentum[0], local.first.momentum[0], 1e-9 * local.first.momentum[0]);
 }
 
-// The force of `local` against the motion is the part `local` of the force: a body that falls from rest falls
-// with (1 - local) g, and rises with (1 + local) g against it.
+// The force of `local` against the motion is the part `local` of the force: a body that falls from
+// rest falls with (1 - local) g, and rises with (1 + local) g against it.
 TEST_F(MpmRest, LocalDampingIsAPartOfTheForce) {
   const auto gained = [&](double up) {
     const auto file = file_of<2>(
@@ -203,10 +205,10 @@ TEST_F(MpmRest, RunsEndAtRestAndSaySo) {
   EXPECT_FALSE(run_in("plain", file_of<1>(column(1, "mpm", "[time]\nend = 0.1\n"))).rest);
 }
 
-// At rest a column of 20 cells carries its weight, at any strain: the stress of particles averaged over
-// cells is -density g (L - X) to 2 % of the largest, with every method that can run it. 8-node elements
-// break: their masses are negative. The heavy column is strained by 1.7 %, so that particles have moved by up to
-// a sixth of a cell, which some methods do not bear.
+// At rest a column of 20 cells carries its weight, at any strain: the stress of particles averaged
+// over cells is -density g (L - X) to 2 % of the largest, with every method that can run it. 8-node
+// elements break: their masses are negative. The heavy column is strained by 1.7 %, so that
+// particles have moved by up to a sixth of a cell, which some methods do not bear.
 template <int D>
 void expect_hydrostatic(const Method& method, double density, const std::filesystem::path& folder) {
   const std::string settings[] = {"material.density=" + std::to_string(density)};
@@ -247,8 +249,8 @@ TEST_F(MpmRest, SlowAColumnInThePlaneCarriesItsWeight) {
   expect_hydrostatic<2>(folder_);
 }
 
-// The account of the soft cantilever that falls closes where strains are those of velocities that particles keep,
-// and what affine velocities leave is small; 1 % of the largest energy.
+// The account of the soft cantilever that falls closes where strains are those of velocities that
+// particles keep, and what affine velocities leave is small; 1 % of the largest energy.
 TEST_F(MpmRest, TheBalanceOfACantileverCloses) {
   for (const char* method :
        {"cpdi1+musl", "cpdi2+musl", "bspline3+musl", "affine_cpdi2", "improved_cpdi"}) {

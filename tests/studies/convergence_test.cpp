@@ -104,8 +104,8 @@ TEST(Convergence, VelocitiesOfTheGrid) {
     }
 }
 
-// A fit of degree 1 takes velocities that are linear to the nodes as they are; what the motion's is not
-// is seen. Without the nodes of this time there is no error.
+// A fit of degree 1 takes velocities that are linear to the nodes as they are; what the motion's is
+// not is seen. Without the nodes of this time there is no error.
 TEST(Convergence, AnErrorOfTheGridNeedsItsNodes) {
   auto file = read_example<1>("vibration_1d.toml", {"name=improved_cpdi"});
   Simulation<1> simulation(file.problem);

@@ -100,9 +100,9 @@ struct NeoHookean : Lame {
 
 // Hooke's law of small strain: with e = (F + F^T) / 2 - I
 //     sigma = lambda tr(e) I + 2 mu e ,   W = lambda tr(e)^2 / 2 + mu e : e .
-// For small displacements only, for which linear theory has its closed forms. It does not know rotations:
-// one by an angle a alone has the strain cos(a) - 1 and so a stress. The work of sigma on a body that
-// changes its volume differs from W by the strain times W.
+// For small displacements only, for which linear theory has its closed forms. It does not know
+// rotations: one by an angle a alone has the strain cos(a) - 1 and so a stress. The work of sigma
+// on a body that changes its volume differs from W by the strain times W.
 struct SmallStrain : Lame {
   static constexpr std::string_view name = "small_strain";
   template <int D>

@@ -61,10 +61,11 @@ Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t)
 // Damping at the nodes, for bodies that are to come to rest. It takes from each component of the
 // acceleration of a node
 //     local |a_i| sign(v_i) + mass v_i ,   v_i as it was mapped.
-// `local`, without a unit, is a force against the motion that is a part of the force out of balance:
-// -local |f_i| sign(v_i) with a lumped mass (Cundall 1987, in: Analytical and Computational Methods in
-// Engineering Rock Mechanics). It vanishes in balance, and damps all frequencies alike. `mass`,
-// 1 / time, is the rate at which momentum decays, the rotation of whole bodies too.
+// `local`, without a unit, is a force against the motion that is a part of the force out of
+// balance: -local |f_i| sign(v_i) with a lumped mass (Cundall 1987, in: Analytical and
+// Computational Methods in Engineering Rock Mechanics). It vanishes in balance, and damps all
+// frequencies alike. `mass`, 1 / time, is the rate at which momentum decays, the rotation of whole
+// bodies too.
 struct Damping {
   double local = 0, mass = 0;
 

@@ -4,14 +4,14 @@
 // The first 512 bytes are text: what the file is, its format, and a length and a checksum of the
 // rest. The rest is HDF5 (whose libraries skip the text): one data set per quantity (X, x, v, F, L,
 // stress, half_edges, mass, volume0, energy, body; corners, modes, history where there are any; a
-// row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*, work,
-// and `problem`: a text of lines "key = value" with all that identifies the problem. The file is
-// written completely or not at all.
+// row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*,
+// work, and `problem`: a text of lines "key = value" with all that identifies the problem. The file
+// is written completely or not at all.
 //
 // A checkpoint belongs to one problem: dimension, grid, every choice of the method, materials,
 // densities and particles of the bodies, boundaries, loads, and the texts of formulas must be those
-// that it was written with, numbers to twelve figures. Functions without a text cannot be compared. What may differ: title, threads,
-// the end of the time, the rule of the step, and what is written.
+// that it was written with, numbers to twelve figures. Functions without a text cannot be compared.
+// What may differ: title, threads, the end of the time, the rule of the step, and what is written.
 #pragma once
 
 #include <filesystem>

@@ -60,17 +60,18 @@ struct RunResult {
   std::optional<NegativeMass> negative_mass, sign_change;  // see Simulation
   std::size_t frames = 0;
   bool stopped = false;  // as RunOptions::stop asked, before the end
-  // Of the last state, where the problem asks for rest (TimeOptions::rest); a run that comes to its end
-  // without it is not at rest.
+  // Of the last state, where the problem asks for rest (TimeOptions::rest); a run that comes to its
+  // end without it is not at rest.
   std::optional<RestMeasure> rest;
 };
 
-// Runs the problem to its end, or until it is at rest where TimeOptions::rest asks for that. A restart from a checkpoint in the folder continues the run there:
-// its ledger is kept up to the checkpoint, and its frames stay in the lists. Files of any other run
-// are overwritten only if RunOptions::overwrite says so; otherwise OtherRun is thrown. Throws
-// NoRestart for a checkpoint that read_checkpoint() refuses or that is later than the end,
-// FileError for files that cannot be written, InvalidArgument for a problem without an end or one
-// that takes more than there is (forecast.hpp), Failure where the run cannot go on.
+// Runs the problem to its end, or until it is at rest where TimeOptions::rest asks for that. A
+// restart from a checkpoint in the folder continues the run there: its ledger is kept up to the
+// checkpoint, and its frames stay in the lists. Files of any other run are overwritten only if
+// RunOptions::overwrite says so; otherwise OtherRun is thrown. Throws NoRestart for a checkpoint
+// that read_checkpoint() refuses or that is later than the end, FileError for files that cannot be
+// written, InvalidArgument for a problem without an end or one that takes more than there is
+// (forecast.hpp), Failure where the run cannot go on.
 template <int D>
 RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
 

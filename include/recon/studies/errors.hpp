@@ -23,17 +23,18 @@ struct FieldError {
   double l2 = 0, rms = 0;
 };
 
-// The errors of the fields of particles. The velocity is compared at its own time, which is half a step before
-// that of the other fields. Throws InvalidArgument for a material that has no exact solutions.
+// The errors of the fields of particles. The velocity is compared at its own time, which is half a
+// step before that of the other fields. Throws InvalidArgument for a material that has no exact
+// solutions.
 template <int D>
 std::vector<FieldError> errors(const Simulation<D>& simulation, const Manufactured<D>& exact);
 
 // The error of the nodes' velocities that map() computed last, as boundaries hold them:
 //     l2 = sqrt(sum_i |v_i - v(X_i)|^2 |m_i| / rho0) ,   rms over the nodes that feel forces,
-// with the mass of a node over the density at rest as its volume. X_i is the particle of the exact motion
-// that is at the node at time(), and v(X_i) its velocity at the time of the particles' velocities, half a
-// step earlier: what the map takes to the nodes. The motion is continued to nodes outside of the body. Throws
-// InvalidArgument without a map().
+// with the mass of a node over the density at rest as its volume. X_i is the particle of the exact
+// motion that is at the node at time(), and v(X_i) its velocity at the time of the particles'
+// velocities, half a step earlier: what the map takes to the nodes. The motion is continued to
+// nodes outside of the body. Throws InvalidArgument without a map().
 template <int D>
 FieldError grid_velocity_error(const Simulation<D>& simulation, const Manufactured<D>& exact);
 
