@@ -78,6 +78,7 @@ class BoundaryPolicy : public Policy<D> {
     std::uint32_t node = 0;
     int axis = 0;
     double velocity = 0;
+    std::size_t boundary = 0;  // the number of the boundary that holds it
   };
 
   explicit BoundaryPolicy(const Problem<D>& problem);
@@ -106,6 +107,16 @@ class MassPolicy : public Policy<D> {
   // Reports the first negative mass and the first change of sign, and stops where that is asked
   // for.
   void watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const;
+};
+
+// What takes motion from the nodes.
+template <int D>
+class DampingPolicy : public Policy<D> {
+ public:
+  using Policy<D>::Policy;
+  // Changes accelerations, and says in nodes.damping by how much: against the mapped velocities,
+  // where no velocity is held.
+  void slow(const BoundaryPolicy<D>& boundaries, Nodes<D>& nodes) const;
 };
 
 // Forces on the particles from outside.
@@ -156,6 +167,7 @@ struct Policies {
         mass(make_mass(problem)),
         boundaries(problem),
         loads(problem),
+        damping(problem),
         update(make_update(problem)) {}
 
   std::unique_ptr<const QuadraturePolicy<D>> quadrature;
@@ -163,6 +175,7 @@ struct Policies {
   std::unique_ptr<const MassPolicy<D>> mass;
   BoundaryPolicy<D> boundaries;
   LoadPolicy<D> loads;
+  DampingPolicy<D> damping;
   std::unique_ptr<const UpdatePolicy<D>> update;
 };
 

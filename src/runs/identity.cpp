@@ -87,6 +87,8 @@ Identity identity_of(const Problem<D>& problem, const Particles<D>& particles,
                                              ", direction (" + text_of<D>(load.direction) +
                                              "), area (" + text_of<D>(load.area) + ")");
   }
+  add("damping.local", text_of(problem.damping.local));
+  add("damping.mass", text_of(problem.damping.mass));
   for (const auto& [key, text] : formulas) add(key, text);
   return out;
 }

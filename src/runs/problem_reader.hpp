@@ -81,5 +81,9 @@ template <int D>
 void read_loads(ProblemReader<D>& reader);
 // The keys of the lists of loads, by their path.
 std::vector<std::string> load_keys();
+// The list [[probe]], of bodies and boundaries that are there, and its keys.
+template <int D>
+void read_probes(ProblemReader<D>& reader);
+std::vector<std::string> probe_keys();
 
 }  // namespace recon::mpm

@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -67,8 +68,22 @@ void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result
                                " at most, of momentum between particles and nodes");
   print_line("energy", number(first.total()) + " -> " + number(last.total()) + " (kinetic " +
                            number(last.kinetic) + ", strain " + number(last.strain) + ")");
+  // The balance, where something does work.
+  if (last.work != 0 && std::isfinite(last.work))
+    print_line("work", number(last.work) + " of external forces; the balance of energy is " +
+                           number(last.balance() - first.balance(), 3) + " off");
   print_line("energy error", "interpolation " + number(last.interpolation_error, 3) +
                                  ", algorithmic " + number(last.algorithmic_error, 3));
+  if (result.rest) {
+    const std::string ratios = "force out of balance " + number(result.rest->unbalanced, 3) +
+                               ", kinetic over strain energy " + number(result.rest->kinetic, 3);
+    if (result.rest->reached)
+      print_line("rest", "reached: " + ratios);
+    else
+      print_line("rest",
+                 std::string(result.stopped ? "not yet" : "NOT REACHED by the end of [time]") +
+                     ": " + ratios + "; tolerance " + number(*problem.time.rest));
+  }
   if (result.unfitted > 0)
     print_line("unfitted", "up to " + counted(result.unfitted, "node") +
                                " of a step had no data for a fit: mass-weighted instead");
@@ -83,8 +98,8 @@ void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result
   print_mass("sign of mass", result.sign_change);
   if (result.sign_change)
     print_line("", "changed there: the mass passed through zero, so the results cannot be trusted");
-  print_line("files",
-             folder + ": " + counted(result.frames, "frame") + ", ledger.csv, checkpoint.h5");
+  print_line("files", folder + ": " + counted(result.frames, "frame") + ", ledger.csv" +
+                          (file.probes.empty() ? "" : ", probes.csv") + ", checkpoint.h5");
 }
 
 Json vector_array(const std::array<double, 3>& v, int dimension) {
@@ -99,7 +114,8 @@ Json ledger_object(const mpm::Ledger& ledger, int dimension) {
   object.set("kinetic", ledger.kinetic).set("strain", ledger.strain);
   object.set("energy", ledger.total());
   object.set("interpolation_error", ledger.interpolation_error);
-  return object.set("algorithmic_error", ledger.algorithmic_error);
+  object.set("algorithmic_error", ledger.algorithmic_error);
+  return object.set("work", ledger.work).set("balance", ledger.balance());
 }
 
 template <int D>
@@ -126,6 +142,13 @@ Json summary_object(const mpm::ProblemFile<D>& file, const mpm::RunResult& resul
   };
   object.set("negative_mass", mass(result.negative_mass));
   object.set("sign_change", mass(result.sign_change));
+  Json rest;
+  if (result.rest) {
+    rest = Json::object().set("reached", result.rest->reached);
+    rest.set("unbalanced", result.rest->unbalanced).set("kinetic", result.rest->kinetic);
+    rest.set("tolerance", *problem.time.rest);
+  }
+  object.set("rest", rest);
   object.set("folder", folder).set("frames", result.frames);
   return object.set("stopped", result.stopped);
 }
