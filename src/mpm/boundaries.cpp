@@ -10,29 +10,36 @@ BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem
     const Boundary<D>& boundary = problem.boundaries[b];
     const auto plane = static_cast<std::size_t>(
         std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
-    if (boundary.velocity[boundary.axis] == 0.0) {
-      if (plane == 0) walls_[boundary.axis][0] = true;
-      if (plane == static_cast<std::size_t>(grid.cells(boundary.axis)))
-        walls_[boundary.axis][1] = true;
-    }
+    if (const int face = boundary.face(grid);
+        face != 0 && boundary.velocity[boundary.axis] && *boundary.velocity[boundary.axis] == 0.0)
+      walls_.push_back({boundary.axis, face > 0, &boundary});
     for (std::size_t i = 0; i < grid.size(); ++i) {
       if (grid.nodes().index(i)[boundary.axis] != plane) continue;
+      if (!boundary.covers(grid.position(i), 1e-6 * grid.h())) continue;
       for (int d = 0; d < D; ++d)
         if (boundary.velocity[d])
-          held_.push_back({static_cast<std::uint32_t>(i), d, *boundary.velocity[d], b});
+          held_.push_back({static_cast<std::uint32_t>(i), d, &*boundary.velocity[d], b});
     }
   }
 }
 
 template <int D>
-void BoundaryPolicy<D>::hold(Nodes<D>& nodes) const {
-  give(nodes.velocity);
+void BoundaryPolicy<D>::hold(double time, double lag, Nodes<D>& nodes) const {
+  give(time - lag, nodes.velocity);
   rest(nodes.acceleration);
+  if (lag > 0) drive(time - lag, time, nodes);
 }
 
 template <int D>
-void BoundaryPolicy<D>::give(std::vector<Vector<D>>& velocity) const {
-  for (const Held& held : held_) velocity[held.node][held.axis] = held.velocity;
+void BoundaryPolicy<D>::drive(double before, double after, Nodes<D>& nodes) const {
+  for (const Held& held : held_)
+    nodes.acceleration[held.node][held.axis] =
+        held.velocity->varies() ? (given(held, after) - given(held, before)) / (after - before) : 0;
+}
+
+template <int D>
+void BoundaryPolicy<D>::give(double time, std::vector<Vector<D>>& velocity) const {
+  for (const Held& held : held_) velocity[held.node][held.axis] = given(held, time);
 }
 
 template <int D>
@@ -46,10 +53,11 @@ void BoundaryPolicy<D>::keep_inside(std::size_t begin, std::size_t end, State<D>
   const double margin = 1e-3 * grid.h();  // that a particle is put back
   for (std::size_t p = begin; p < end; ++p) {
     Vector<D>& x = s.particles.x[p];
-    for (int d = 0; d < D; ++d) {
-      const double lower = grid.lower()[d], upper = grid.upper(d);
-      if (walls_[d][0] && x[d] < lower && x[d] > lower - margin) x[d] = lower;
-      if (walls_[d][1] && x[d] > upper && x[d] < upper + margin) x[d] = upper;
+    for (const Wall& wall : walls_) {
+      double& along = x[wall.axis];
+      const double face = wall.upper ? grid.upper(wall.axis) : grid.lower()[wall.axis];
+      const double beyond = wall.upper ? along - face : face - along;
+      if (beyond > 0 && beyond < margin && wall.boundary->covers(x, 0)) along = face;
     }
     if (!x.allFinite()) throw Failure(s.steps, "particle", p, "its position is not finite");
     if (grid.contains(x)) continue;

@@ -2,6 +2,43 @@
 
 namespace recon::mpm {
 
+namespace {
+
+// The functions of the nodes that a point x sees, as they are at another place. Along each axis
+// they are those at the place or, where other nodes are seen there, at the farthest point on the way
+// at which they are the same, from where they go on linearly. So they sum to one, have the place as
+// their mean, and no node counts that the point has no mass at. In the order of the nodes of x.
+template <int D, class Functions>
+std::vector<double> parts_at(const Grid<D>& grid, const Functions& functions, const Vector<D>& x,
+                             const Vector<D>& place) {
+  std::vector<double> parts(1, 1.0);
+  for (int d = 0; d < D; ++d) {
+    const auto own = functions.axis(grid, x[d], d);
+    const auto sees_same = [&](double at) {
+      const auto there = functions.axis(grid, at, d);
+      return there.first == own.first && there.count == own.count;
+    };
+    double same = place[d];
+    if (!sees_same(same)) {
+      double other = same;
+      same = x[d];
+      for (int halving = 0; halving < 30; ++halving) {
+        const double middle = (same + other) / 2;
+        (sees_same(middle) ? same : other) = middle;
+      }
+    }
+    const auto axis = functions.axis(grid, same, d);
+    std::vector<double> product;
+    for (int n = 0; n < axis.count; ++n)
+      for (const double part : parts)
+        product.push_back(part * (axis.S[n] + axis.G[n] * (place[d] - same)));
+    parts = std::move(product);
+  }
+  return parts;
+}
+
+}  // namespace
+
 template <int D>
 void LoadPolicy<D>::body_force(const State<D>& s, std::vector<Vector<D>>& out) const {
   const Problem<D>& problem = this->problem_;
@@ -16,8 +53,31 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
   with_shape(problem.method, [&](auto shape_of) {
     typename decltype(shape_of)::template Nodes<D> shape;
     for (const Load<D>& load : problem.loads) {
-      shape_of.shape(problem.grid, s.particles, load.particle, shape);
-      shape.add(nodes.force, force_of(load, s.particles, s.time), trusted);
+      functions_of(problem, s.particles, nodes, shape_of, load.particle, shape);
+      const LoadedPlace<D> place = place_of(load, s.particles);
+      const Vector<D> force = load.force(place, s.time);
+      const Vector<D>& x = s.particles.x[load.particle];
+      // What the node number k of the particle gets.
+      const auto add = [&](std::size_t k, double part) {
+        nodes.force[shape.node[k]] += part * force;
+        // As of stresses, what a light node gets beyond S does not shrink with its mass.
+        if (!nodes.internal.empty()) nodes.internal[shape.node[k]] += (part - shape.S[k]) * force;
+      };
+      std::vector<double> parts;
+      if (load.offset.isZero()) {
+      } else if constexpr (requires { shape_of.functions.cell_degree; }) {
+        // Their G are the slopes of splines, along an axis: forces of stresses meet these.
+        constexpr int degree = decltype(shape_of.functions)::cell_degree + 1;
+        const SplineFunctions<degree> of_slope{{shape_of.functions.border}};
+        if (problem.method.border != SplineBorder::linear_cells)
+          parts = parts_at(problem.grid, of_slope, x, place.x);
+      } else if constexpr (is_product<D, decltype(shape_of)>) {
+        if (problem.method.basis != Basis::mls_bspline2)
+          parts = parts_at(problem.grid, shape_of.functions, x, place.x);
+      }
+      const Vector<D> d = place.x - x;
+      for (std::size_t k = 0; k < shape.size(); ++k)
+        add(k, parts.empty() ? shape.S[k] + shape.G[k].dot(d) : parts[k]);
     }
   });
 }

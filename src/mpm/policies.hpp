@@ -10,6 +10,7 @@
 #include "core/flatten.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/mpm/step.hpp"
+#include "recon/transfer/images.hpp"
 
 namespace recon::mpm {
 
@@ -73,29 +74,52 @@ class MapPolicy : public Policy<D> {
 template <int D>
 class BoundaryPolicy : public Policy<D> {
  public:
-  // The velocity of a node along an axis is given.
+  // The velocity of a node along an axis is given, by the problem.
   struct Held {
     std::uint32_t node = 0;
     int axis = 0;
-    double velocity = 0;
+    const HeldVelocity<D>* velocity = nullptr;
     std::size_t boundary = 0;  // the number of the boundary that holds it
   };
 
   explicit BoundaryPolicy(const Problem<D>& problem);
   const std::vector<Held>& held() const { return held_; }
-  // v_i as it is given, a_i = 0.
-  void hold(Nodes<D>& nodes) const;
-  // Components of held velocities become those, or 0.
-  void give(std::vector<Vector<D>>& velocity) const;
+  // v_i as it is given at the time of the velocities, `lag` before `time`; and a_i that makes it
+  // what it is at `time`, or zero without a lag. The change over a kick is not known yet.
+  void hold(double time, double lag, Nodes<D>& nodes) const;
+  // a_i of the held nodes that changes their velocities from one time to another.
+  void drive(double before, double after, Nodes<D>& nodes) const;
+  // Components of held velocities become those of this time, or 0.
+  void give(double time, std::vector<Vector<D>>& velocity) const;
   void rest(std::vector<Vector<D>>& velocity) const;
   // Puts back what has passed a wall by a hair. Throws Failure for a particle that is not in the
   // grid then.
   void keep_inside(std::size_t begin, std::size_t end, State<D>& s) const;
 
  private:
+  // A face of the grid whose nodes have no normal velocity.
+  struct Wall {
+    int axis = 0;
+    bool upper = false;
+    const Boundary<D>* boundary = nullptr;
+  };
+  double given(const Held& held, double time) const {
+    return (*held.velocity)(held.velocity->varies() ? this->problem_.grid.position(held.node)
+                                                    : Vector<D>(Vector<D>::Zero()),
+                            time);
+  }
   std::vector<Held> held_;
-  std::array<std::array<bool, 2>, D> walls_{};  // faces that hold their normal velocity at 0
+  std::vector<Wall> walls_;
 };
+
+// What fits see beyond the planes of symmetry of a problem, as far as their supports reach.
+template <int D>
+Images<D> images_of(const Problem<D>& problem) {
+  Images<D> images(problem.grid, 2 * problem.grid.h());
+  for (const Boundary<D>& boundary : problem.boundaries)
+    if (boundary.symmetry) images.mirror(boundary.axis, boundary.face(problem.grid) > 0);
+  return images;
+}
 
 // v_i = p_i / m_i and a_i = f_i / m_i + g.
 template <int D>

@@ -32,6 +32,12 @@ void Damping::validate() const {
 }
 
 template <int D>
+int Boundary<D>::face(const Grid<D>& grid) const {
+  const auto plane = std::lround((at - grid.lower()[axis]) / grid.h());
+  return plane == 0 ? -1 : plane == grid.cells(axis) ? 1 : 0;
+}
+
+template <int D>
 void Boundary<D>::validate(const Grid<D>& grid) const {
   require(axis >= 0 && axis < D, "axis of a boundary", axis, "must be an axis of the grid");
   const double plane = (at - grid.lower()[axis]) / grid.h();
@@ -39,15 +45,33 @@ void Boundary<D>::validate(const Grid<D>& grid) const {
       std::abs(plane - std::round(plane)) < 1e-6 && plane > -0.5 && plane < grid.cells(axis) + 0.5,
       "place of a boundary", at, "must be a plane of nodes of the grid");
   for (const auto& value : velocity)
-    require(!value || std::isfinite(*value), "velocity of a boundary", value.value_or(0),
-            "must be finite");
+    require(!value || value->varies() || std::isfinite((*value)({}, 0)), "velocity of a boundary",
+            value && !value->varies() ? (*value)({}, 0) : 0, "must be finite");
+  bool whole = true;
+  for (int d = 0; d < D; ++d) {
+    if (d == axis) continue;
+    const double first = std::max(0.0, std::ceil((from[d] - grid.lower()[d]) / grid.h() - 1e-6));
+    const double last = std::min(static_cast<double>(grid.cells(d)),
+                                 std::floor((to[d] - grid.lower()[d]) / grid.h() + 1e-6));
+    require(first <= last, "from of a boundary", from.transpose(),
+            "must leave nodes of the plane between it and to");
+    whole = whole && first == 0 && last == grid.cells(d);
+  }
+  if (!symmetry) return;
+  require(face(grid) != 0, "place of a plane of symmetry", at, "must be a face of the grid");
+  require(whole, "from of a plane of symmetry", from.transpose(),
+          "must not leave out nodes: the whole face is one of symmetry");
+  bool held = true;
+  for (int d = 0; d < D; ++d) held = held && (d == axis ? velocity[d] == 0.0 : !velocity[d]);
+  require(held, "velocity of a plane of symmetry", "given",
+          "must be zero along the axis and free on the others");
 }
 
 template <int D>
 void Load<D>::validate(std::size_t particles) const {
-  require(particle < particles && magnitude, "particle of a load", particle,
-          "must be one of the particles, with a magnitude");
-  require(direction.allFinite(), "direction of a load", direction.transpose(), "must be finite");
+  require(particle < particles && force, "particle of a load", particle,
+          "must be one of the particles, with a force");
+  require(offset.allFinite(), "offset of a load", offset.transpose(), "must be finite");
   require(area.allFinite(), "area of a load", area.transpose(), "must be finite");
 }
 
@@ -112,7 +136,14 @@ void Problem<D>::validate() const {
   for (const Material& material : materials) validate_material(material);
   for (const double density : densities) validate_density(density);
   validate(particles);
-  for (const Boundary<D>& boundary : boundaries) boundary.validate(grid);
+  for (const Boundary<D>& boundary : boundaries) {
+    boundary.validate(grid);
+    for (const auto& value : boundary.velocity)
+      require(!value || !value->varies() || method.mass == MassMatrix::lumped, "mass of the method",
+              name_of(method.mass),
+              "must be lumped where a boundary holds a velocity that varies: forces on the free "
+              "nodes would depend on accelerations of the held ones");
+  }
   for (const Load<D>& load : loads) load.validate(particles.size());
   damping.validate();
   time.validate();

@@ -19,7 +19,7 @@ namespace {
 // reconstructs it, density times velocity.
 template <int D>
 struct PointData {
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Rows = RowsOfParticles;
   static constexpr int stresses = D * (D + 1) / 2;
   bool body_force, momentum;
   Rows rows;
@@ -42,6 +42,15 @@ struct PointData {
       }
     };
     parallel_blocks(particles.size(), particles_per_block, threads, fill);
+  }
+  // How the columns change their signs in mirrors.
+  std::vector<Parity> parities() const {
+    std::vector<Parity> of{scalar_parity};
+    for (int r = 0; r < D; ++r)
+      for (int c = r; c < D; ++c) of.push_back(tensor_parity(r, c));
+    for (const bool has : {body_force, momentum})
+      for (int d = 0; d < D && has; ++d) of.push_back(vector_parity(d));
+    return of;
   }
   FieldView<double> field() const {
     return {static_cast<std::size_t>(rows.rows()), static_cast<int>(rows.cols()), rows.data(),
@@ -117,19 +126,28 @@ class TaylorFits {
 template <int D>
 class CellQuadrature : public QuadraturePolicy<D> {
  public:
-  using QuadraturePolicy<D>::QuadraturePolicy;
+  explicit CellQuadrature(const Problem<D>& problem)
+      : QuadraturePolicy<D>(problem), images_(images_of(problem)) {}
 
   FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
                            Nodes<D>& nodes) const override {
     const Problem<D>& problem = this->problem_;
     const Grid<D>& grid = problem.grid;
     const Quadrature kind = problem.method.quadrature;
-    const PointData<D> data(s.particles, b, is_gauss(kind), problem.threads);
+    PointData<D> data(s.particles, b, is_gauss(kind), problem.threads);
     const CellPoints<D> points(grid, kind == Quadrature::cells ? 1 : 2);
     fill(s.particles, cells.fill);
+    // Beyond planes of symmetry fits see images; the polynomials of single cells have no beyond.
+    std::vector<Vector<D>> with_images;
+    if (!images_.empty() && kind != Quadrature::taylor_cells) {
+      const auto seen = images_.of(s.particles.x);
+      with_images = with_places(s.particles.x, seen);
+      append_rows(data.rows, seen, data.parities());
+    }
+    const std::vector<Vector<D>>& places = with_images.empty() ? s.particles.x : with_images;
     const auto fit = [&](const StructuredGrid<double>& targets, Weight weight) {
       return reconstruct_on_grid(
-          points_of(s.particles.x), {data.field()}, targets,
+          points_of(places), {data.field()}, targets,
           {.degree = problem.method.degree, .weight = weight, .threads = problem.threads});
     };
     // One fit at the centres or nodes, which the cells keep.
@@ -175,6 +193,7 @@ class CellQuadrature : public QuadraturePolicy<D> {
 
  private:
   using Row = Eigen::RowVectorXd;
+  Images<D> images_;
 
   // The parts of the cells that count.
   void fill(const Particles<D>& particles, std::vector<double>& part) const {

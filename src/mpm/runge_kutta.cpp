@@ -16,6 +16,7 @@ class RungeKutta : public UpdatePolicy<D> {
     std::vector<Rates> sum(s.particles.size()), rates(s.particles.size());
     for (int stage = 0; stage < stages; ++stage) {
       const bool last = stage + 1 == stages;
+      step.policies().boundaries.drive(start.time, start.time + dt, step.changeable_nodes());
       rates_of(step.nodes(), s.particles, weight[stage] / 6, rates, sum);
       s.particles = start.particles;
       advance(step, last ? sum : rates, last ? dt : part[stage] * dt, s);

@@ -24,7 +24,7 @@ void Step<D>::to_nodes(const State<D>& s) {
   map->velocities(s, nodes_);
   damping.slow(boundaries, nodes_);
   nodes_.velocity = nodes_.mapped;
-  boundaries.hold(nodes_);
+  boundaries.hold(s.time, problem_->method.velocity_lag(s.last_dt), nodes_);
 }
 
 template <int D>

@@ -69,6 +69,8 @@ class SingleMap : public UpdatePolicy<D> {
     Nodes<D>& nodes = step.changeable_nodes();
     const Problem<D>& problem = this->problem_;
     const double kick = problem.method.kick(s.last_dt, dt);
+    const double before = s.time - problem.method.velocity_lag(s.last_dt), after = before + kick;
+    step.policies().boundaries.drive(before, after, nodes);
     std::vector<Vector<D>> carried = this->carried(step, s, kick);  // empty: nodes.velocity
     const auto receive = [&](const std::vector<Vector<D>>& straining, Parts parts) {
       const Carried<D> from{carried.empty() ? nodes.velocity : carried, straining, kick};
@@ -78,7 +80,7 @@ class SingleMap : public UpdatePolicy<D> {
     };
     switch (problem.method.stress) {
       case StressUpdate::last: {  // L of the nodes' velocities after the kick
-        const std::vector<Vector<D>> limited = this->limited(step, dt, kick);
+        const std::vector<Vector<D>> limited = this->limited(step, dt, kick, after);
         receive(limited.empty() ? nodes.velocity : limited, {});
         s.tick(dt);
         break;
@@ -87,6 +89,7 @@ class SingleMap : public UpdatePolicy<D> {
         if (carried.empty()) carried = nodes.velocity;
         receive(carried, {.strain = false, .position = false});
         step.to_nodes(s);
+        step.policies().boundaries.give(after, nodes.velocity);
         receive(nodes.velocity, {.velocity = false});
         s.tick(dt);
         break;
@@ -113,7 +116,7 @@ class SingleMap : public UpdatePolicy<D> {
  private:
   // The nodes' velocities of which L is made, where some have a mass that is too small for the
   // step; empty where none has.
-  static std::vector<Vector<D>> limited(const Step<D>& step, double dt, double kick) {
+  static std::vector<Vector<D>> limited(const Step<D>& step, double dt, double kick, double after) {
     const Nodes<D>& nodes = step.nodes();
     std::vector<Vector<D>> velocity;
     if (nodes.stiffness.empty()) return velocity;
@@ -128,7 +131,7 @@ class SingleMap : public UpdatePolicy<D> {
       velocity[i] -=
           (1 - most_strained * mass / strained) * kick / nodes.mass[i] * nodes.internal[i];
     }
-    if (!velocity.empty()) step.policies().boundaries.give(velocity);
+    if (!velocity.empty()) step.policies().boundaries.give(after, velocity);
     return velocity;
   }
 };

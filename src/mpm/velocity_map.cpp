@@ -126,23 +126,42 @@ void accept(const FitReports& report, const Value& value, Nodes<D>& nodes) {
   }
 }
 
-// The fit of all nodes at once, by moments.
+// A fit to velocities at places and, beyond planes of symmetry, their images.
 template <int D>
-class GridMap : public MapPolicy<D> {
+class FitMap : public MapPolicy<D> {
  public:
-  using MapPolicy<D>::MapPolicy;
+  explicit FitMap(const Problem<D>& problem) : MapPolicy<D>(problem), images_(images_of(problem)) {}
 
  protected:
-  void fit(const State<D>& s, Nodes<D>& nodes) const override {
-    if (this->problem_.method.velocity == VelocityMap::mls)
-      return on_grid(s.particles.x, s.particles.v, nodes);
-    const WithCorners<D> data(s.particles, this->problem_.threads);
-    on_grid(data.x, data.v, nodes);
+  using Vectors = std::vector<Vector<D>>;
+
+  void fit(const State<D>& s, Nodes<D>& nodes) const final {
+    if (this->problem_.method.velocity == VelocityMap::cpls) {
+      const WithCorners<D> data(s.particles, this->problem_.threads);
+      return fit_mirrored(data.x, data.v, nodes);
+    }
+    fit_mirrored(s.particles.x, s.particles.v, nodes);
   }
+  virtual void fit_to(const Vectors& x, const Vectors& v, Nodes<D>& nodes) const = 0;
 
  private:
-  void on_grid(const std::vector<Vector<D>>& x, const std::vector<Vector<D>>& v,
-               Nodes<D>& nodes) const {
+  void fit_mirrored(const Vectors& x, const Vectors& v, Nodes<D>& nodes) const {
+    if (images_.empty()) return fit_to(x, v, nodes);
+    const auto seen = images_.of(x);
+    fit_to(with_places(x, seen), with_vectors(v, seen), nodes);
+  }
+  Images<D> images_;
+};
+
+// The fit of all nodes at once, by moments.
+template <int D>
+class GridMap : public FitMap<D> {
+ public:
+  using FitMap<D>::FitMap;
+
+ protected:
+  void fit_to(const std::vector<Vector<D>>& x, const std::vector<Vector<D>>& v,
+              Nodes<D>& nodes) const override {
     const Problem<D>& problem = this->problem_;
     const auto fit =
         reconstruct_on_grid(points_of(x), {field_of(v)}, problem.grid.nodes(),
@@ -158,12 +177,13 @@ class GridMap : public MapPolicy<D> {
 
 // The fit node by node, by graded Gram-Schmidt.
 template <int D>
-class ImlsMap : public MapPolicy<D> {
+class ImlsMap : public FitMap<D> {
  public:
-  using MapPolicy<D>::MapPolicy;
+  using FitMap<D>::FitMap;
 
  protected:
-  void fit(const State<D>& s, Nodes<D>& nodes) const override {
+  void fit_to(const std::vector<Vector<D>>& x, const std::vector<Vector<D>>& v,
+              Nodes<D>& nodes) const override {
     const Problem<D>& problem = this->problem_;
     std::vector<Vector<D>> targets;
     nodes.fit_nodes.clear();
@@ -172,7 +192,7 @@ class ImlsMap : public MapPolicy<D> {
       nodes.fit_nodes.push_back(static_cast<std::uint32_t>(i));
       targets.push_back(problem.grid.position(i));
     }
-    const Reconstruction fit = reconstruct(points_of(s.particles.x), points_of(targets),
+    const Reconstruction fit = reconstruct(points_of(x), points_of(targets),
                                            {.degree = problem.method.degree,
                                             .weight = Weight::cubic_b_spline,
                                             .form = WeightForm::tensor_product,
@@ -180,7 +200,7 @@ class ImlsMap : public MapPolicy<D> {
                                             .solver = Solver::gram_schmidt,
                                             .threads = problem.threads});
     std::vector<Vector<D>> fitted(targets.size());
-    fit.apply(field_of(s.particles.v), field_of(fitted));
+    fit.apply(field_of(v), field_of(fitted));
     accept(
         fit.report(), [&](std::size_t t) { return fitted[t]; }, nodes);
   }

@@ -66,12 +66,12 @@ void fill_cells(const Grid<D>& grid, const Region<D>& region, int n, double jitt
   }
 }
 
-void fill_ring(const Vector<2>& centre, double inner, double outer, int radial, int angular,
-               double density, int body, Particles<2>& out) {
-  const double dr = (outer - inner) / radial, turn = 2 * std::numbers::pi / angular;
+void fill_ring(const Vector<2>& centre, double inner, double outer, const Sector& sector,
+               int radial, int angular, double density, int body, Particles<2>& out) {
+  const double dr = (outer - inner) / radial, turn = (sector.to - sector.from) / angular;
   for (int r = 0; r < radial; ++r)
     for (int a = 0; a < angular; ++a) {
-      const double R = inner + (r + 0.5) * dr, angle = (a + 0.5) * turn;
+      const double R = inner + (r + 0.5) * dr, angle = sector.from + (a + 0.5) * turn;
       const Vector<2> along(std::cos(angle), std::sin(angle)), across(-along[1], along[0]);
       Matrix<2> half;
       half << along * (dr / 2), across * (R * turn / 2);
@@ -79,32 +79,61 @@ void fill_ring(const Vector<2>& centre, double inner, double outer, int radial, 
     }
 }
 
+std::pair<Vector<2>, Vector<2>> box_of(const Vector<2>& centre, double inner, double outer,
+                                       const Sector& sector) {
+  constexpr double quarter = std::numbers::pi / 2;
+  std::vector<Vector<2>> ends;
+  const auto add = [&](double angle) {
+    for (const double R : {inner, outer})
+      ends.push_back(centre + R * Vector<2>(std::cos(angle), std::sin(angle)));
+  };
+  add(sector.from);
+  add(sector.to);
+  for (double k = std::ceil(sector.from / quarter); k * quarter <= sector.to; ++k) add(k * quarter);
+  std::pair<Vector<2>, Vector<2>> box{ends[0], ends[0]};
+  for (const Vector<2>& end : ends) box = {box.first.cwiseMin(end), box.second.cwiseMax(end)};
+  return box;
+}
+
 template <int D>
-std::vector<SurfacePart<D>> surface(const Particles<D>& particles, int body,
-                                    const std::function<Vector<D>(const Vector<D>&)>& normal,
-                                    const std::function<double(const Vector<D>&)>& height) {
+std::vector<SurfacePart<D>> surface(const Particles<D>& particles, int body, const Side<D>& side) {
   const auto half_thickness = [&](std::size_t p) {
-    return (particles.half_edges[p].transpose() * normal(particles.X[p])).cwiseAbs().sum();
+    return (particles.half_edges[p].transpose() * side.normal(particles.X[p])).cwiseAbs().sum();
+  };
+  // From the middle of a domain to that of its part of the surface.
+  const auto offset = [&](std::size_t p, const Vector<D>& normal) -> Vector<D> {
+    const Matrix<D>& H = particles.half_edges[p];
+    const Vector<D> along = H.transpose() * normal;
+    int most = 0;
+    along.cwiseAbs().maxCoeff(&most);
+    bool is_face = true;
+    for (int d = 0; d < D; ++d)
+      is_face = is_face && (d == most || std::abs(along[d]) <= 1e-6 * H.col(d).norm());
+    return is_face ? Vector<D>((along[most] < 0 ? -1 : 1) * H.col(most))
+                   : Vector<D>(std::abs(along[most]) * normal);
   };
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t p = 0; p < particles.size(); ++p)
-    if (particles.body[p] == body) top = std::max(top, height(particles.X[p]) + half_thickness(p));
+    if (particles.body[p] == body)
+      top = std::max(top, side.height(particles.X[p]) + half_thickness(p));
   std::vector<SurfacePart<D>> found;
   for (std::size_t p = 0; p < particles.size(); ++p) {
+    const Vector<D>& X = particles.X[p];
     const double half = half_thickness(p);
-    if (particles.body[p] == body && height(particles.X[p]) + 1.5 * half > top)
-      found.push_back({p, normal(particles.X[p]) * (particles.volume0[p] / (2 * half))});
+    if (particles.body[p] != body || side.height(X) + 1.5 * half <= top) continue;
+    const Vector<D> normal = side.normal(X), to = offset(p, normal);
+    double area = particles.volume0[p] / (2 * half);
+    if (side.round) area *= std::pow(side.height(X + to) / side.height(X), D - 1);
+    found.push_back({p, to, area * normal});
   }
   return found;
 }
 
-#define RECON_INSTANTIATE(D)                                                                      \
-  template void require_in_grid(const Grid<D>&, const Vector<D>&, const Vector<D>&);              \
-  template void fill_cells(const Grid<D>&, const Region<D>&, int, double, double, int, double,    \
-                           Particles<D>&);                                                        \
-  template std::vector<SurfacePart<D>> surface(const Particles<D>&, int,                          \
-                                               const std::function<Vector<D>(const Vector<D>&)>&, \
-                                               const std::function<double(const Vector<D>&)>&);
+#define RECON_INSTANTIATE(D)                                                                   \
+  template void require_in_grid(const Grid<D>&, const Vector<D>&, const Vector<D>&);           \
+  template void fill_cells(const Grid<D>&, const Region<D>&, int, double, double, int, double, \
+                           Particles<D>&);                                                     \
+  template std::vector<SurfacePart<D>> surface(const Particles<D>&, int, const Side<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

@@ -124,10 +124,15 @@ RestMeasure rest_of(const Simulation<D>& simulation, const ExternalForces<D>& fo
   RestMeasure found{acting > 0 ? forces.unbalanced / acting : infinite,
                     strain > 0 ? node_kinetic / strain : infinite, false};
   if (!(found.unbalanced < tolerance && found.kinetic < tolerance)) return found;
+  const double end = simulation.problem().time.end;
+  const auto at_rest = [&](const auto& held) {
+    if (simulation.nodes().velocity[held.node][held.axis] != 0) return false;
+    return !held.velocity->varies() || !std::isfinite(end) ||
+           (*held.velocity)(simulation.problem().grid.position(held.node), end) == 0;
+  };
   for (const auto& held : simulation.stepper().policies().boundaries.held())
-    if (simulation.nodes().velocity[held.node][held.axis] != 0) return found;
-  found.reached =
-      still_to_come(simulation, forces.loads, simulation.problem().time.end) <= tolerance * acting;
+    if (!at_rest(held)) return found;
+  found.reached = still_to_come(simulation, forces.loads, end) <= tolerance * acting;
   return found;
 }
 

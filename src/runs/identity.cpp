@@ -70,12 +70,17 @@ Identity identity_of(const Problem<D>& problem, const Particles<D>& particles,
     const Boundary<D>& boundary = problem.boundaries[b];
     std::string velocity;
     for (int d = 0; d < D; ++d)
-      velocity +=
-          (d ? ", " : "") + (boundary.velocity[d] ? text_of(*boundary.velocity[d]) : "free");
+      velocity += (d ? ", " : "") + (!boundary.velocity[d] ? "free"
+                                     : boundary.velocity[d]->varies()
+                                         ? "a function"
+                                         : text_of((*boundary.velocity[d])({}, 0)));
     const std::string key = "boundary " + std::to_string(b + 1) + ".";
     add(key + "axis", std::string(1, "xyz"[boundary.axis]));
     add(key + "at", text_of(boundary.at));
     add(key + "velocity", velocity);
+    add(key + "from", text_of<D>(boundary.from));
+    add(key + "to", text_of<D>(boundary.to));
+    add(key + "symmetry", boundary.symmetry ? "true" : "false");
   }
   add("loads.gravity", text_of<D>(problem.gravity));
   if (!formulas.contains("loads.body_force"))
@@ -84,8 +89,8 @@ Identity identity_of(const Problem<D>& problem, const Particles<D>& particles,
   for (std::size_t i = 0; i < problem.loads.size(); ++i) {
     const Load<D>& load = problem.loads[i];
     add("load " + std::to_string(i + 1), "particle " + std::to_string(load.particle) +
-                                             ", direction (" + text_of<D>(load.direction) +
-                                             "), area (" + text_of<D>(load.area) + ")");
+                                             ", offset (" + text_of<D>(load.offset) + "), area (" +
+                                             text_of<D>(load.area) + ")");
   }
   add("damping.local", text_of(problem.damping.local));
   add("damping.mass", text_of(problem.damping.mass));

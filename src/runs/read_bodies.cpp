@@ -93,10 +93,7 @@ class BodyReader {
                   const double R = (X - centre).norm();
                   return R >= inner && R <= outer;
                 }};
-      if (layout == "polar") {
-        checked(body, "shape", [&] { require_in_grid(grid, region.lower, region.upper); });
-        return fill_polar(body, centre, inner, outer, density, number);
-      }
+      if (layout == "polar") return fill_polar(body, centre, inner, outer, density, number);
     }
     if (layout == "polar") body.fail("layout", "'polar' is for rings and disks");
     checked(body, "shape", [&] {
@@ -118,10 +115,24 @@ class BodyReader {
       const double h = problem_.grid.h(), n = body.integer("particles", 2, 1, 100);
       const double around = body.number("angular", n * std::numbers::pi * (inner + outer));
       if (!(around > 0)) body.fail("angular", "must be positive");
-      fill_ring(centre, inner, outer,
+      Sector sector;
+      double part = 1;  // of the circle
+      if (body.has("angles")) {
+        const std::vector<double> degrees = body.numbers("angles", 2);
+        part = (degrees[1] - degrees[0]) / 360;
+        if (!(part > 0 && part <= 1 && std::abs(degrees[0]) <= 360))
+          body.fail("angles",
+                    "must be two angles in degrees, from -360 to 360, of which the second "
+                    "is above the first by at most 360");
+        sector = {degrees[0] * std::numbers::pi / 180, degrees[1] * std::numbers::pi / 180};
+      }
+      const auto [lower, upper] = box_of(centre, inner, outer, sector);
+      checked(body, "shape",
+              [&, &low = lower, &up = upper] { require_in_grid(problem_.grid, low, up); });
+      fill_ring(centre, inner, outer, sector,
                 std::max(1, static_cast<int>(std::lround(n * (outer - inner) / h))),
-                std::max(3, static_cast<int>(std::lround(around / h))), density, number,
-                problem_.particles);
+                std::max(part == 1 ? 3 : 1, static_cast<int>(std::lround(part * around / h))),
+                density, number, problem_.particles);
     } else {
       (void)centre, (void)inner, (void)outer, (void)density, (void)number;
       body.fail("layout", "'polar' is for 2-D");

@@ -10,31 +10,29 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-template <int D>
-std::function<double(double)> magnitude(ProblemReader<D>& reader, const TomlTable& table) {
-  reader.note(table, "magnitude");
-  const Expression value =
-      reader.expression(table, "magnitude", *table.elements("magnitude", 1).front());
-  return [value](double t) { return value({0, 0, 0, 0, 0, 0, t}); };
-}
-
 // On the nearest particle.
 template <int D>
 void read_point_load(ProblemReader<D>& reader, const TomlTable& table) {
   Problem<D>& problem = reader.problem();
   const Vector<D> at = reader.vector(table, "at");
-  Load<D> load;
-  load.direction = reader.vector(table, "direction");
-  load.magnitude = magnitude(reader, table);
+  std::size_t nearest = 0;
   for (std::size_t p = 1; p < problem.particles.size(); ++p)
-    if ((problem.particles.X[p] - at).norm() < (problem.particles.X[load.particle] - at).norm())
-      load.particle = p;
-  problem.loads.push_back(load);
+    if ((problem.particles.X[p] - at).norm() < (problem.particles.X[nearest] - at).norm())
+      nearest = p;
+  reader.note(table, "direction");
+  reader.note(table, "magnitude");
+  const Expression magnitude =
+      reader.expression(table, "magnitude", *table.elements("magnitude", 1).front());
+  problem.loads.push_back(
+      point_load<D>(nearest, reader.vector(table, "direction"), [magnitude](double t) {
+        return magnitude({0, 0, 0, 0, 0, 0, t});
+      }));
 }
 
-// On the particles of a side.
+// The side of a body that a table names, with this force on each part of it.
 template <int D>
-void read_pressure(ProblemReader<D>& reader, const TomlTable& table) {
+void load_side(ProblemReader<D>& reader, const TomlTable& table,
+               const std::function<Vector<D>(const LoadedPlace<D>&, double)>& force) {
   Problem<D>& problem = reader.problem();
   const int bodies = static_cast<int>(problem.materials.size());
   const int body = table.integer("body", 1, 1, bodies) - 1;
@@ -43,23 +41,45 @@ void read_pressure(ProblemReader<D>& reader, const TomlTable& table) {
     for (const char* end : {"_lower", "_upper"})
       sides.push_back(std::string(1, static_cast<char>('x' + d)) + end);
   sides.insert(sides.end(), {"inner", "outer"});
-  const std::string side = table.choice("side", sides, true);
-  std::function<Vector<D>(const Vector<D>&)> normal;
-  std::function<double(const Vector<D>&)> height;
-  if (side == "inner" || side == "outer") {
+  const std::string name = table.choice("side", sides, true);
+  Side<D> side;
+  if (name == "inner" || name == "outer") {
     const Vector<D> centre =
         table.has("centre") ? reader.vector(table, "centre") : Vector<D>::Zero();
-    const double sign = side == "inner" ? -1 : 1;
-    normal = [=](const Vector<D>& X) -> Vector<D> { return sign * (X - centre).normalized(); };
-    height = [=](const Vector<D>& X) { return sign * (X - centre).norm(); };
+    const double sign = name == "inner" ? -1 : 1;
+    side = {[=](const Vector<D>& X) -> Vector<D> { return sign * (X - centre).normalized(); },
+            [=](const Vector<D>& X) { return sign * (X - centre).norm(); }, true};
   } else {
-    const Vector<D> out = (side.ends_with("lower") ? -1 : 1) * Vector<D>::Unit(side[0] - 'x');
-    normal = [=](const Vector<D>&) { return out; };
-    height = [=](const Vector<D>& X) { return X.dot(out); };
+    const Vector<D> out = (name.ends_with("lower") ? -1 : 1) * Vector<D>::Unit(name[0] - 'x');
+    side = {[=](const Vector<D>&) { return out; }, [=](const Vector<D>& X) { return X.dot(out); }};
   }
-  const auto value = magnitude(reader, table);
-  for (const auto& part : surface<D>(problem.particles, body, normal, height))
-    problem.loads.push_back({part.particle, Vector<D>::Zero(), part.area, value});
+  for (const auto& part : surface<D>(problem.particles, body, side))
+    problem.loads.push_back({part.particle, part.offset, part.area, force});
+}
+
+// -p n A.
+template <int D>
+void read_pressure(ProblemReader<D>& reader, const TomlTable& table) {
+  reader.note(table, "magnitude");
+  const Expression value =
+      reader.expression(table, "magnitude", *table.elements("magnitude", 1).front());
+  load_side<D>(reader, table, [value](const LoadedPlace<D>& at, double t) {
+    return Vector<D>(-value(variables<D>(at.X, at.x, t)) * at.area);
+  });
+}
+
+// tau A0, or tau A.
+template <int D>
+void read_traction(ProblemReader<D>& reader, const TomlTable& table) {
+  const auto values = reader.expressions(table, "traction");
+  reader.note(table, "area");
+  const bool current = table.choice("area", Words{"reference", "current"}) == "current";
+  load_side<D>(reader, table, [values, current](const LoadedPlace<D>& at, double t) {
+    const auto where = variables<D>(at.X, at.x, t);
+    Vector<D> force;
+    for (int d = 0; d < D; ++d) force[d] = values[d](where);
+    return Vector<D>((current ? at.area : at.area0).norm() * force);
+  });
 }
 
 // The kinds of loads: a list of tables [[name]] with these keys.
@@ -72,31 +92,46 @@ struct LoadKind {
 template <int D>
 std::vector<LoadKind<D>> load_kinds() {
   return {{"point_load", {"at", "direction", "magnitude"}, read_point_load<D>},
-          {"pressure", {"body", "side", "centre", "magnitude"}, read_pressure<D>}};
+          {"pressure", {"body", "side", "centre", "magnitude"}, read_pressure<D>},
+          {"traction", {"body", "side", "centre", "traction", "area"}, read_traction<D>}};
 }
 
 // The kinds of boundaries: what each holds.
 template <int D>
 struct BoundaryKind {
   const char* name;
-  void (*hold)(Boundary<D>&, const TomlTable&);
+  void (*hold)(ProblemReader<D>&, Boundary<D>&, const TomlTable&);
 };
 template <int D>
-void hold_given(Boundary<D>& boundary, const TomlTable& table) {
-  int d = 0;
+void hold_given(ProblemReader<D>& reader, Boundary<D>& boundary, const TomlTable& table) {
+  reader.note(table, "velocity");
+  int d = -1;
   for (const toml::node* node : table.elements("velocity", D)) {
-    if (const auto value = node->value<double>(); value && std::isfinite(*value))
-      boundary.velocity[d] = *value;
-    else if (node->value_or(std::string()) != "free")
-      table.fail_at(*node, "velocity", "a number or \"free\" is needed");
     ++d;
+    if (node->value_or(std::string()) == "free") continue;
+    if (!node->is_string() && !(node->is_number() && std::isfinite(node->value_or(0.0))))
+      table.fail_at(*node, "velocity", "a number, a formula or \"free\" is needed");
+    const Expression value = reader.expression(table, "velocity", *node);
+    if (value.is_constant())
+      boundary.velocity[d] = value({});
+    else
+      boundary.velocity[d] = HeldVelocity<D>(
+          [value](const Vector<D>& x, double t) { return value(variables<D>(x, x, t)); });
   }
 }
 template <int D>
 std::vector<BoundaryKind<D>> boundary_kinds() {
-  return {{"fixed", [](Boundary<D>& of, const TomlTable&) { of.velocity.fill(0.0); }},
-          {"roller", [](Boundary<D>& of, const TomlTable&) { of.velocity[of.axis] = 0.0; }},
-          {"velocity", hold_given<D>}};
+  using Reader = ProblemReader<D>;
+  const auto roller = [](Reader&, Boundary<D>& of, const TomlTable&) {
+    of.velocity[of.axis] = 0.0;
+  };
+  const auto fixed = [](Reader&, Boundary<D>& of, const TomlTable&) { of.velocity.fill(0.0); };
+  const auto symmetry = [](Reader&, Boundary<D>& of, const TomlTable&) {
+    of.velocity[of.axis] = 0.0;
+    of.symmetry = true;
+  };
+  return {
+      {"fixed", fixed}, {"roller", roller}, {"velocity", hold_given<D>}, {"symmetry", symmetry}};
 }
 
 }  // namespace
@@ -120,7 +155,9 @@ void read_boundaries(ProblemReader<D>& reader) {
     for (const BoundaryKind<D>& each : boundary_kinds<D>()) names.emplace_back(each.name);
     const std::string kind = table.choice("kind", names, true);
     for (const BoundaryKind<D>& each : boundary_kinds<D>())
-      if (kind == each.name) each.hold(boundary, table);
+      if (kind == each.name) each.hold(reader, boundary, table);
+    if (table.has("from")) boundary.from = reader.vector(table, "from");
+    if (table.has("to")) boundary.to = reader.vector(table, "to");
     table.finish();
     checked(table, "at", [&] { boundary.validate(reader.problem().grid); });
     reader.problem().boundaries.push_back(boundary);

@@ -31,6 +31,7 @@ const KnownKeys fixed_keys{
      "body.layout",
      "body.jitter",
      "body.angular",
+     "body.angles",
      "body.velocity",
      "body.radius",
      "body.inner",
@@ -55,7 +56,8 @@ const KnownKeys fixed_keys{
      "loads.body_force"},
     {"constants.*", "body.lower", "body.upper", "body.wkt", "body.file", "body.volume",
      "body.material.kind", "body.material.young", "body.material.poisson", "body.material.density",
-     "damping.mass", "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity"}};
+     "damping.mass", "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity",
+     "boundary.from", "boundary.to"}};
 
 KnownKeys known_keys() {
   KnownKeys keys = fixed_keys;

@@ -96,8 +96,8 @@ TEST_P(EveryMethodsPhysics, UniformLoadIsGravity) {
     Problem<D> problem = floating<D>(GetParam());
     const Vector<D> a = some_acceleration<D>();
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
-      problem.loads.push_back({p, Vector<D>(problem.particles.mass[p] * a), Vector<D>::Zero(),
-                               [](double) { return 1.0; }});
+      problem.loads.push_back(
+          point_load<D>(p, problem.particles.mass[p] * a, [](double) { return 1.0; }));
     expect_free_fall<D>(problem, a, 1e-11);
   });
 }
@@ -106,8 +106,7 @@ TEST_P(EveryMethodsPhysics, UniformLoadIsGravity) {
 // where masses come from cells, whose sum of forces is that of the particles.
 TEST_P(EveryMethodsPhysics, AccelerationsFollowTheLoad) {
   Problem<2> problem = block<2>(8, 0.25, 0.5, GetParam().name);
-  problem.loads.push_back(
-      {3, Vector<2>(2.0, -1.0), Vector<2>(0.0, 0.0), [](double t) { return 1 + t; }});
+  problem.loads.push_back(point_load<2>(3, Vector<2>(2.0, -1.0), [](double t) { return 1 + t; }));
   Simulation<2> simulation(problem);
   simulation.map();
   Vector<2> force = Vector<2>::Zero();

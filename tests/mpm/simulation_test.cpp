@@ -194,7 +194,7 @@ TEST(Steps, RulesAndTheParticleThatLimits) {
 // The momentum after the first half kick is force times half a step.
 TEST(Forces, PointLoadPushesTheMass) {
   Problem<1> problem = block<1>(10, 0.2, 0.6);
-  problem.loads.push_back({3, Vector<1>(2.0), Vector<1>(0.0), [](double t) { return 1 + t; }});
+  problem.loads.push_back(point_load<1>(3, Vector<1>(2.0), [](double t) { return 1 + t; }));
   Simulation<1> simulation(problem);
   simulation.map();
   const double mass = account(simulation).mass;
@@ -381,7 +381,7 @@ TEST(Problems, AreChecked) {
             }),
             "velocity of a boundary");
   EXPECT_EQ(blamed([](auto& p) { p.loads.push_back({}); }), "particle of a load");
-  const auto one = [](double) { return 1.0; };
+  const auto one = [](const auto&, double) { return Vector<2>(1, 1); };
   EXPECT_EQ(blamed([&](auto& p) {
               p.loads.push_back({9999, {0, 1}, {0, 0}, one});
             }),
@@ -389,11 +389,29 @@ TEST(Problems, AreChecked) {
   EXPECT_EQ(blamed([&](auto& p) {
               p.loads.push_back({0, {0, NAN}, {0, 0}, one});
             }),
-            "direction of a load");
+            "offset of a load");
   EXPECT_EQ(blamed([&](auto& p) {
               p.loads.push_back({0, {0, 1}, {NAN, 0}, one});
             }),
             "area of a load");
+  EXPECT_EQ(blamed([&](auto& p) {
+              p.boundaries.push_back({0, 0, {}, {0, 2}, {1, 3}});
+            }),
+            "from of a boundary");
+  const auto symmetry = [&](int axis, double at, std::array<std::optional<HeldVelocity<2>>, 2> v) {
+    return blamed([&](auto& p) {
+      p.boundaries.push_back({axis, at, v});
+      p.boundaries.back().symmetry = true;
+    });
+  };
+  EXPECT_EQ(symmetry(0, 0.5, {0.0, {}}), "place of a plane of symmetry");
+  EXPECT_EQ(symmetry(0, 0, {1.0, {}}), "velocity of a plane of symmetry");
+  EXPECT_EQ(symmetry(0, 0, {0.0, 0.0}), "velocity of a plane of symmetry");
+  EXPECT_EQ(symmetry(0, 0, {0.0, {}}), "");
+  EXPECT_EQ(blamed([](auto& p) {
+              p.boundaries.push_back({0, 0, {0.0, {}}, {0, 0}, {0, 0.5}, true});
+            }),
+            "from of a plane of symmetry");
   EXPECT_EQ(blamed([](auto& p) { p.particles.v.pop_back(); }), "v of the particles");
   EXPECT_EQ(blamed([](auto& p) { p.particles.L[2](0, 1) = NAN; }), "L of particle 2");
   EXPECT_EQ(blamed([](auto& p) { p.particles.F[2](0, 0) = -1; }), "det F of particle 2");

@@ -64,7 +64,8 @@ struct Nodes {
   std::vector<Vector<D>> acceleration;      // f_i / m_i, zero where the velocity is held
   std::vector<Vector<D>> damping;           // the part of damping in it; empty without damping
   // Only for point particles in linear functions with lumped mass, else empty: the part of internal
-  // forces in `force`, and K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.
+  // forces in `force` and of loads on surfaces that G brings, and
+  // K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.
   std::vector<Vector<D>> internal;
   std::vector<double> stiffness;
   CellWeights<D>

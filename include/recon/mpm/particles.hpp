@@ -70,6 +70,20 @@ struct Particles {
   ParallelepipedDomain<D> parallelepiped(std::size_t p) const {
     return {x[p], F[p] * half_edges[p]};
   }
+  // Where the place X_p + offset of the reference domain is now: x_p + F offset, and with tracked
+  // corners the place between them that has the same parts of the edges on both sides. The place
+  // of offset 0 is x_p.
+  Vector<D> place(std::size_t p, const Vector<D>& offset) const {
+    if (corners.empty() || offset.isZero()) return x[p] + F[p] * offset;
+    const Vector<D> xi = half_edges[p].inverse() * offset;
+    Vector<D> at = Vector<D>::Zero();
+    for (std::size_t a = 0; a < corner_count; ++a) {
+      double part = 1;
+      for (int d = 0; d < D; ++d) part *= (a >> d & 1 ? 1 + xi[d] : 1 - xi[d]) / 2;
+      at += part * corners[p][a];
+    }
+    return at;
+  }
   // The corners of the parallelepiped of a particle.
   Corners domain(std::size_t p) const { return corners_of(parallelepiped(p)); }
 

@@ -22,40 +22,126 @@
 
 namespace recon::mpm {
 
+// A velocity component that a boundary holds: a number, or a function of the place x of the node
+// and of time.
+template <int D>
+class HeldVelocity {
+ public:
+  using Function = std::function<double(const Vector<D>& x, double t)>;
+
+  HeldVelocity(double constant = 0) : constant_(constant) {}  // NOLINT: numbers are velocities
+  explicit HeldVelocity(Function function) : function_(std::move(function)) {}
+
+  bool varies() const { return static_cast<bool>(function_); }
+  double operator()(const Vector<D>& x, double t) const {
+    return function_ ? function_(x, t) : constant_;
+  }
+  // Whether it is this number everywhere and always; a function is not.
+  friend bool operator==(const HeldVelocity& a, double b) {
+    return !a.varies() && a.constant_ == b;
+  }
+
+ private:
+  double constant_ = 0;
+  Function function_;
+};
+
 // A boundary condition on the nodes of the plane x_axis = at, which must be a plane of the grid.
 // Velocity components that are set are held there, the others are free. fixed: all are zero.
 // roller: that along the axis is zero.
+//
+// Of the plane, the nodes between the corners `from` and `to` are held, up to a millionth of a
+// cell; what these say along `axis` does not count. A velocity that varies is held at the time of
+// the velocities, and particles get its change over the kick: with dt_before and dt the steps at
+// time t, v(t - dt_before / 2) before the kick and v(t + dt / 2) after it (both without the halves
+// for velocities at whole steps). In runge_kutta the stages have v of their time and the mean
+// acceleration of the step, which is of second order.
+//
+// symmetry: the plane is one of symmetry, so that its normal velocity is zero, and what fits see
+// of the particles goes on beyond it as in a mirror (transfer/images.hpp). It must be a whole face
+// of the grid.
 template <int D>
 struct Boundary {
   int axis = 0;
   double at = 0;
-  std::array<std::optional<double>, D> velocity{};
+  std::array<std::optional<HeldVelocity<D>>, D> velocity{};
+  Vector<D> from = Vector<D>::Constant(-std::numeric_limits<double>::infinity());
+  Vector<D> to = Vector<D>::Constant(std::numeric_limits<double>::infinity());
+  bool symmetry = false;
 
-  // Throws InvalidArgument for an axis or a plane that the grid does not have, and for a velocity
-  // that is not finite.
+  // Whether a node of the plane is held, and a particle there meets a wall.
+  bool covers(const Vector<D>& x, double margin) const {
+    for (int d = 0; d < D; ++d)
+      if (d != axis && !(x[d] >= from[d] - margin && x[d] <= to[d] + margin)) return false;
+    return true;
+  }
+  // Whether it is the lower (-1) or upper (1) face of the grid, or neither (0).
+  int face(const Grid<D>& grid) const;
+
+  // Throws InvalidArgument for an axis or a plane that the grid does not have, a velocity that is
+  // not finite, a part of the plane without nodes, and a plane of symmetry that is not a whole face
+  // of the grid or holds another normal velocity than zero.
   void validate(const Grid<D>& grid) const;
 };
 
-// A force on one particle. With `area` set to N A0 (reference normal times reference area),
-// `magnitude` is a pressure p that follows the surface: f = -p det F F^-T N A0. Without `area` the
-// force is magnitude(t) * direction.
+// Where a load acts: a place of the particle, in its reference domain and now, and the surface
+// there, outward normal times area. Both areas are zero for a load that has no surface.
+template <int D>
+struct LoadedPlace {
+  Vector<D> X, x;         // length
+  Vector<D> area0, area;  // N A0 and n A = det F F^-T N A0
+};
+
+// A force on one particle, at the place X_p + offset of its reference domain. With `area` set to
+// N A0 (reference normal times reference area) the force may depend on the surface as it is now:
+// -p place.area for a pressure p, tau * place.area0.norm() for a nominal traction tau.
+//
+// With d the vector from the particle to the place as it is now, the nodes get
+//     f_i += w_i f ,   w_i = S_ip + G_ip . d   over domains and with mls_bspline2,
+//                      w_i = N_i at the place  for functions at points, along each axis linear
+//                                              from where others than the particle's nodes come in
+//                                              (through cells: N_i the spline whose slope G is).
+// These sum to one and have the place as their mean, so that the nodes have the force f and its
+// moment at the place, and none counts that has no mass from the particle. So the integral of
+// N_i tau over a surface (Gong 2015, eq. 4.19) is a sum over the middles of faces of particles. At
+// the particle's own place (offset 0) w is S.
 template <int D>
 struct Load {
   std::size_t particle = 0;
-  Vector<D> direction = Vector<D>::Zero(), area = Vector<D>::Zero();
-  std::function<double(double t)> magnitude;
+  Vector<D> offset = Vector<D>::Zero(), area = Vector<D>::Zero();
+  std::function<Vector<D>(const LoadedPlace<D>& place, double t)> force;
 
   // Throws InvalidArgument unless the particle exists, all numbers are finite and there
-  // is a magnitude.
+  // is a force.
   void validate(std::size_t particles) const;
 };
+
+// A force magnitude(t) * direction on a particle.
+template <int D>
+Load<D> point_load(std::size_t particle, const Vector<D>& direction,
+                   std::function<double(double t)> magnitude) {
+  Load<D> load;
+  load.particle = particle;
+  if (magnitude)
+    load.force = [direction, magnitude = std::move(magnitude)](const LoadedPlace<D>&, double t) {
+      return Vector<D>(magnitude(t) * direction);
+    };
+  return load;
+}
+
+// Where a load acts now.
+template <int D>
+LoadedPlace<D> place_of(const Load<D>& load, const Particles<D>& particles) {
+  const std::size_t p = load.particle;
+  const Matrix<D>& F = particles.F[p];
+  return {particles.X[p] + load.offset, particles.place(p, load.offset), load.area,
+          F.determinant() * (F.inverse().transpose() * load.area)};
+}
 
 // The force at time t.
 template <int D>
 Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t) {
-  const Matrix<D>& F = particles.F[load.particle];
-  const Vector<D> follower = F.determinant() * (F.inverse().transpose() * load.area);
-  return load.magnitude(t) * (load.direction - follower);
+  return load.force(place_of(load, particles), t);
 }
 
 // Damping at the nodes, for bodies that are to come to rest. It takes from each component of the
