@@ -13,6 +13,11 @@
 #include "recon/recon.hpp"
 #include "recon/transfer/cartesian_grid.hpp"
 #include "recon/transfer/scatter.hpp"
+#ifdef SAMPLES_OF_PETSC
+#include <petscsys.h>
+
+#include "recon/petsc/reconstruct_on_grid.hpp"
+#endif
 #ifdef SAMPLES_OF_MPM
 #include "recon/mpm/problem.hpp"
 #include "recon/runs/simulation.hpp"
