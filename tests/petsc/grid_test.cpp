@@ -252,8 +252,10 @@ TYPED_TEST(GridOnRanks, EqualsTheSerialMomentsWithOtherChoices) {
 TYPED_TEST(GridOnRanks, EqualsTheSerialMomentsOfSparseClouds) {
   constexpr int D = TypeParam::value;
   const DistributedGrid grid(PETSC_COMM_WORLD, unit_grid<D>());
+  // None lies on a node, and so on the border of the support of another one that sees nothing else:
+  // whether such a node has a value is up to rounding.
   for (const std::size_t count : {0u, 1u, 9u, 60u}) {
-    const auto points = points_in<D>(grid.all(), count, 0.2, 7);
+    const auto points = points_in<D>(grid.all(), count, 0.2, 7, 0);
     expect_serial<D>(points, waves(points, 2), {}, grid, {.degree = 1},
                      std::to_string(count) + " particles");
   }
@@ -370,7 +372,7 @@ TEST(GridErrors, BadDataOfOneRankIsToldByAll) {
   const std::string rank = "rank " + std::to_string(last) + ": ";
   if (world().rank() == last) u(1, 0) = std::nan("");
   EXPECT_THAT(fit(), HasSubstr(rank));
-  EXPECT_THAT(fit(), HasSubstr("particle 1"));
+  EXPECT_THAT(fit(), HasSubstr("component 0 of field 0 at point 1 = nan"));
   if (world().rank() == last) {
     u(1, 0) = 1;
     points[2][1] = std::nan("");

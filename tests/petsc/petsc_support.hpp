@@ -37,10 +37,11 @@ StructuredGrid<double> unit_grid(std::array<std::size_t, 3> nodes = {23, 18, 13}
   return grid;
 }
 
-// Points in a box, the same on all ranks. Some lie on nodes, so on planes and corners between ranks.
+// Points in a box, the same on all ranks. Every seventh (0: none) lies on a node, so that some are on
+// planes and corners between ranks.
 template <int D>
 Points<D> points_in(const StructuredGrid<double>& grid, std::size_t count, double beyond,
-                    unsigned seed) {
+                    unsigned seed, std::size_t on_node = 7) {
   std::mt19937_64 random(seed);
   Points<D> points(count);
   for (std::size_t p = 0; p < count; ++p)
@@ -48,7 +49,7 @@ Points<D> points_in(const StructuredGrid<double>& grid, std::size_t count, doubl
       const double width = grid.spacing[d] * static_cast<double>(grid.counts[d] - 1);
       const double part = std::uniform_real_distribution<double>(-beyond, 1 + beyond)(random);
       points[p][d] = grid.origin[d] + part * width;
-      if (p % 7 == 0)  // on a node
+      if (on_node > 0 && p % on_node == 0)
         points[p][d] = grid.coordinate(static_cast<std::size_t>(std::clamp(
                                            part * static_cast<double>(grid.counts[d] - 1), 0.0,
                                            static_cast<double>(grid.counts[d] - 1))),
