@@ -66,7 +66,8 @@ class Particles {
   // Adds particles, on any rank, with the values of the arrays in their order, and migrates.
   // Collective. Throws InvalidArgument on all ranks, and adds nothing, for sizes and components
   // that do not fit, coordinates that are not finite, and particles outside where these are
-  // refused (naming the point).
+  // refused (naming the point). Where a particle that was there before is refused by the migration,
+  // the new ones are there, not yet with their ranks.
   Migration add(const PointsView<double>& points, const std::vector<FieldView<double>>& values);
 
   // Collective. Throws InvalidArgument, and leaves all particles where they are, for coordinates
