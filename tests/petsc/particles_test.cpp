@@ -171,7 +171,7 @@ TEST(Particles, IdsFollowTheRanksAndCalls) {
   for (const std::int64_t id : particles.ids()) sum += id;
   EXPECT_EQ(world().sum(sum), total * (2 * total - 1));
   // All lie in one place, so with one rank.
-  EXPECT_EQ(world().largest(static_cast<double>(particles.size())), 2.0 * total);
+  EXPECT_EQ(world().largest(static_cast<double>(particles.size())), static_cast<double>(2 * total));
 }
 
 TEST(Particles, NoneAtAll) {
