@@ -28,23 +28,29 @@ void require_halo_suffices(const Options& options) {
           "must be infinite where particles are spread over ranks");
 }
 
-// The farthest that a support can reach, before stretch; negative: only the search can tell.
+double positive(double radius) {
+  require(radius > 0 && std::isfinite(radius), "support radius", radius,
+          "must be positive and finite");
+  return radius;
+}
+
+// The farthest that a support can reach, before stretch; 0 for Nearest: only the search can tell.
 double reach_of(const Options& options, std::size_t targets) {
   const double grown = std::pow(std::max(1.0, options.grow.factor), options.grow.steps);
-  if (const auto* radius = std::get_if<Radius>(&*options.neighbours)) return radius->radius * grown;
+  if (const auto* radius = std::get_if<Radius>(&*options.neighbours)) return positive(radius->radius) * grown;
   if (const auto* within = std::get_if<NearestWithin>(&*options.neighbours))
-    return within->radius * grown;
+    return positive(within->radius) * grown;
   if (const auto* radii = std::get_if<Radii>(&*options.neighbours)) {
     require(radii->radii.size() == targets, "number of radii", radii->radii.size(),
             "must be that of the targets of this rank");
     double largest = 0;
-    for (std::size_t t = 0; t < targets; ++t) largest = std::max(largest, radii->radii[t]);
+    for (std::size_t t = 0; t < targets; ++t) largest = std::max(largest, positive(radii->radii[t]));
     return largest * grown;
   }
-  return -1;
+  return 0;
 }
 
-// How many of the nearest a target may ask for, support by support.
+// How many of the nearest a target may ask for, grown supports included.
 std::size_t most_neighbours(const Nearest& nearest, const Growth& grow) {
   const double grown = std::pow(std::max(1.0, grow.factor), grow.steps);
   return static_cast<std::size_t>(std::ceil(static_cast<double>(nearest.k) * grown)) +
@@ -213,7 +219,7 @@ Reconstruction::Reconstruction(MPI_Comm comm, const PointsView<double>& points,
        options.domain.lower[1], options.domain.lower[2], options.domain.upper[0],
        options.domain.upper[1], options.domain.upper[2]});
 
-  const bool searches = reach < 0;
+  const bool searches = std::holds_alternative<Nearest>(*all.neighbours);
   if (searches) {
     const auto& nearest = std::get<Nearest>(*all.neighbours);
     const Extent extent = extent_of(ranks, own_box, points.size(), all.stretch);
