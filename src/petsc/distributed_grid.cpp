@@ -114,7 +114,7 @@ std::array<int, max_dimension> smallest_surface(const StructuredGrid<double>& gr
       const std::array<int, max_dimension> tried{i, j, k};
       double surface = 0;
       for (int d = 0; d < grid.dimension; ++d) {
-        double face = tried[d] > 1 || options.periodic[d] ? 1 : 0;
+        double face = tried[d] == 1 ? 0 : options.periodic[d] ? 2 : std::min(2, tried[d] - 1);
         for (int e = 0; e < grid.dimension; ++e)
           if (e != d) face *= static_cast<double>(grid.counts[e]) / tried[e];
         surface += face;

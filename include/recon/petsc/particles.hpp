@@ -1,9 +1,9 @@
 // Particles that are spread over the ranks of a grid: each is with the rank in whose box it lies.
 //
 // ```cpp
-//   recon::petsc::Particles particles(grid, {{"mass", 1}, {"velocity", 3}});
+//   recon::petsc::Particles particles(distributed, {{"mass", 1}, {"velocity", 3}});
 //   particles.add(points, {mass, velocity});  // of this rank, wherever they lie
-//   move(particles.x(), particles.array("velocity"));
+//   move_all(particles.x(), particles.array("velocity"));
 //   particles.migrate();                      // to their ranks, with all of their arrays
 // ```
 //

@@ -45,10 +45,11 @@ GridReconstruction reconstruct_on_grid(const PointsView<double>& points,
 // The two halves of it, for codes that send more than moments in one round of messages:
 //
 // ```cpp
-//   const recon::GridMoments moments = petsc::moments_of_piece(points, {velocity}, grid, options);
-//   const std::vector<petsc::NodeValues> arrays{{moments.values(), moments.per_node()}, {mass, 1}};
-//   const std::vector<std::vector<double>> sums = grid.sum(arrays);
-//   const recon::GridReconstruction v = petsc::solve_owned(sums[0], 3, grid, options);
+//   using namespace recon::petsc;
+//   const recon::GridMoments m = moments_of_piece(points, {velocity}, distributed, options);
+//   const std::vector<NodeValues> arrays{{m.values(), m.per_node()}, {masses, 1}};
+//   const std::vector<std::vector<double>> sums = distributed.sum(arrays);  // one round of messages
+//   const recon::GridReconstruction v = solve_owned(sums[0], 3, distributed, options);
 // ```
 //
 // Neither is collective: where they throw, other ranks do not know (Communicator::together).
