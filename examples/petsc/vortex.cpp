@@ -19,7 +19,9 @@
 int main(int argc, char** argv) {
   using namespace recon;
   const petsc::Session session(argc, argv);
-  const auto argument = [&](int i, int otherwise) { return argc > i ? std::atoi(argv[i]) : otherwise; };
+  const auto argument = [&](int i, int otherwise) {
+    return argc > i ? std::atoi(argv[i]) : otherwise;
+  };
   const int nodes = argument(1, 33), per_cell = argument(2, 8), steps = argument(3, 10);
   const auto count = static_cast<std::size_t>(nodes);
   const double h = 1.0 / (nodes - 1);
@@ -30,7 +32,8 @@ int main(int argc, char** argv) {
   // Each rank fills its own box, as even as random numbers are.
   std::mt19937_64 random(static_cast<unsigned>(ranks.rank()));
   std::uniform_real_distribution<double> part(0, 1);
-  std::vector<std::array<double, 3>> points(grid.owned().size() * static_cast<std::size_t>(per_cell));
+  std::vector<std::array<double, 3>> points(grid.owned().size() *
+                                            static_cast<std::size_t>(per_cell));
   for (auto& x : points)
     for (int d = 0; d < 3; ++d) {
       const double lower = grid.owned().origin[d];
@@ -51,8 +54,8 @@ int main(int argc, char** argv) {
   std::int64_t moved = 0;
   for (int step = 0; step < steps; ++step) {
     const double begin = MPI_Wtime();
-    const GridReconstruction fit = petsc::reconstruct_on_grid(
-        particles.points(), {particles.field("velocity")}, grid);
+    const GridReconstruction fit =
+        petsc::reconstruct_on_grid(particles.points(), {particles.field("velocity")}, grid);
     const double middle = MPI_Wtime();
     const auto x = particles.x(), v = particles.array("velocity");
     for (std::size_t p = 0; p < particles.size(); ++p) {
@@ -75,9 +78,9 @@ int main(int argc, char** argv) {
   moving = ranks.largest(moving / steps);
   const bool reduced = ranks.largest(worst) > 0;
   if (ranks.rank() == 0)
-    std::printf("ranks %d  nodes %d^3  particles %lld  messages %.0f  bytes %.0f  moved/step %.1f  "
-                "fit %.4f s  move %.4f s%s\n",
-                ranks.size(), nodes, static_cast<long long>(particles.total()), messages, bytes,
-                static_cast<double>(moved) / steps, fitting, moving,
-                reduced ? "  (nodes reduced)" : "");
+    std::printf(
+        "ranks %d  nodes %d^3  particles %lld  messages %.0f  bytes %.0f  moved/step %.1f  "
+        "fit %.4f s  move %.4f s%s\n",
+        ranks.size(), nodes, static_cast<long long>(particles.total()), messages, bytes,
+        static_cast<double>(moved) / steps, fitting, moving, reduced ? "  (nodes reduced)" : "");
 }

@@ -48,8 +48,8 @@ struct DistributedGrid::Data {
       const auto nodes = static_cast<std::int64_t>(all.counts[d]);
       const std::int64_t begin = starts[d][here[d]], end = starts[d][here[d] + 1];
       const bool periodic = options.periodic[d];
-      const std::int64_t first = periodic ? begin - options.ghosts
-                                          : std::max<std::int64_t>(0, begin - options.ghosts);
+      const std::int64_t first =
+          periodic ? begin - options.ghosts : std::max<std::int64_t>(0, begin - options.ghosts);
       const std::int64_t last =
           periodic ? end + options.ghosts : std::min(nodes, end + options.ghosts);
       owned_begin[d] = begin;
@@ -90,10 +90,10 @@ void require_width(const std::vector<std::int64_t>& starts, int d,
   if (options.ranks[d] == 1 && !options.periodic[d]) return;
   for (std::size_t r = 0; r + 1 < starts.size(); ++r)
     if (starts[r + 1] - starts[r] < least)
-      detail::throw_invalid(
-          std::string("nodes of one rank along axis ") + axis_name(d), starts[r + 1] - starts[r],
-          "must be at least the number of ghosts, " + std::to_string(least) +
-              ": fewer ranks along this axis, or more nodes");
+      detail::throw_invalid(std::string("nodes of one rank along axis ") + axis_name(d),
+                            starts[r + 1] - starts[r],
+                            "must be at least the number of ghosts, " + std::to_string(least) +
+                                ": fewer ranks along this axis, or more nodes");
 }
 
 // The ranks along each axis with the smallest surface of a piece; none fits: zeros.
@@ -183,8 +183,8 @@ Exchange& DistributedGrid::Data::exchange(int per_node) {
   std::array<std::vector<PetscInt>, max_dimension> widths;
   for (int d = 0; d < max_dimension; ++d)
     for (int r = 0; r < options.ranks[d]; ++r)
-      widths[d].push_back(
-          d < all.dimension ? static_cast<PetscInt>(starts[d][r + 1] - starts[d][r]) : 1);
+      widths[d].push_back(d < all.dimension ? static_cast<PetscInt>(starts[d][r + 1] - starts[d][r])
+                                            : 1);
   const auto axis = [&](int d) { return d < all.dimension ? widths[d].data() : nullptr; };
   RECON_PETSC(DMDASetOwnershipRanges(made.dm, axis(0), axis(1), axis(2)));
   RECON_PETSC(DMSetUp(made.dm));
@@ -331,8 +331,8 @@ std::vector<std::vector<double>> DistributedGrid::sum(std::span<const NodeValues
   }
   Exchange& exchange = data_->exchange(width);
   OwnedVec ghosted;
-  RECON_PETSC(VecCreateSeqWithArray(PETSC_COMM_SELF, width,
-                                    static_cast<PetscInt>(nodes) * width, from, ghosted.out()));
+  RECON_PETSC(VecCreateSeqWithArray(PETSC_COMM_SELF, width, static_cast<PetscInt>(nodes) * width,
+                                    from, ghosted.out()));
   RECON_PETSC(VecSet(exchange.owned, 0));
   RECON_PETSC(DMLocalToGlobalBegin(exchange.dm, ghosted, ADD_VALUES, exchange.owned));
   RECON_PETSC(DMLocalToGlobalEnd(exchange.dm, ghosted, ADD_VALUES, exchange.owned));
@@ -369,8 +369,8 @@ std::vector<double> DistributedGrid::fill(std::span<const double> owned_values,
   std::vector<double> piece_values(piece().size() * static_cast<std::size_t>(per_node));
   OwnedVec ghosted;
   RECON_PETSC(VecCreateSeqWithArray(PETSC_COMM_SELF, per_node,
-                                    static_cast<PetscInt>(piece_values.size()),
-                                    piece_values.data(), ghosted.out()));
+                                    static_cast<PetscInt>(piece_values.size()), piece_values.data(),
+                                    ghosted.out()));
   RECON_PETSC(DMGlobalToLocalBegin(exchange.dm, exchange.owned, INSERT_VALUES, ghosted));
   RECON_PETSC(DMGlobalToLocalEnd(exchange.dm, exchange.owned, INSERT_VALUES, ghosted));
   return piece_values;

@@ -51,8 +51,7 @@ Halo::Halo(const Communicator& ranks, const PointsView<double>& own, const Need&
   std::vector<Need> of_rank(size);
   std::vector<long long> counts(size);
   const auto count = static_cast<long long>(own_);
-  RECON_MPI(
-      MPI_Allgather(&need, numbers, MPI_DOUBLE, of_rank.data(), numbers, MPI_DOUBLE, comm));
+  RECON_MPI(MPI_Allgather(&need, numbers, MPI_DOUBLE, of_rank.data(), numbers, MPI_DOUBLE, comm));
   RECON_MPI(MPI_Allgather(&count, 1, MPI_LONG_LONG, counts.data(), 1, MPI_LONG_LONG, comm));
   std::vector<std::int64_t> first_id(size + 1, 0);
   std::partial_sum(counts.begin(), counts.end(), first_id.begin() + 1);

@@ -39,7 +39,8 @@ struct Particles::Data {
   std::vector<ParticleArray> arrays;
   Outside outside;
   Owned<DM, DMDestroy> dm;
-  std::array<std::int64_t, 2> census{};  // the number of particles of all ranks, the sum of mixed ids
+  std::array<std::int64_t, 2>
+      census{};  // the number of particles of all ranks, the sum of mixed ids
   std::int64_t next_id = 0;
 
   Data(const DistributedGrid& grid_, const std::vector<ParticleArray>& arrays_, Outside outside_)

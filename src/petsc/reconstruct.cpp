@@ -37,14 +37,16 @@ double positive(double radius) {
 // The farthest that a support can reach, before stretch; 0 for Nearest: only the search can tell.
 double reach_of(const Options& options, std::size_t targets) {
   const double grown = std::pow(std::max(1.0, options.grow.factor), options.grow.steps);
-  if (const auto* radius = std::get_if<Radius>(&*options.neighbours)) return positive(radius->radius) * grown;
+  if (const auto* radius = std::get_if<Radius>(&*options.neighbours))
+    return positive(radius->radius) * grown;
   if (const auto* within = std::get_if<NearestWithin>(&*options.neighbours))
     return positive(within->radius) * grown;
   if (const auto* radii = std::get_if<Radii>(&*options.neighbours)) {
     require(radii->radii.size() == targets, "number of radii", radii->radii.size(),
             "must be that of the targets of this rank");
     double largest = 0;
-    for (std::size_t t = 0; t < targets; ++t) largest = std::max(largest, positive(radii->radii[t]));
+    for (std::size_t t = 0; t < targets; ++t)
+      largest = std::max(largest, positive(radii->radii[t]));
     return largest * grown;
   }
   return 0;
@@ -58,8 +60,8 @@ std::size_t most_neighbours(const Nearest& nearest, const Growth& grow) {
 }
 
 struct Extent {
-  Box<double> box;       // of the particles of all ranks, in stretched coordinates
-  double count = 0;      // of them
+  Box<double> box;   // of the particles of all ranks, in stretched coordinates
+  double count = 0;  // of them
 };
 
 Extent extent_of(const Communicator& ranks, const Box<double>& own, std::size_t count,
@@ -94,8 +96,7 @@ Need need_of(const Box<double>& targets, bool any, double reach, const Options& 
   for (int d = 0; d < targets.dimension && any; ++d) {
     const double wide = reach * options.stretch[d];
     // More than rounding of coordinates and distances; the search decides.
-    const double margin =
-        1e-12 * (wide + std::abs(targets.lower[d]) + std::abs(targets.upper[d]));
+    const double margin = 1e-12 * (wide + std::abs(targets.lower[d]) + std::abs(targets.upper[d]));
     need.lower[d] = targets.lower[d] - wide - margin;
     need.upper[d] = targets.upper[d] + wide + margin;
   }
@@ -130,13 +131,12 @@ struct Attempt {
 };
 
 Attempt tried(const Communicator& ranks, const PointsView<double>& points,
-              const PointsView<double>& targets, std::span<const double> own, const Box<double>& box,
-              double reach, bool proves, const Options& options) {
+              const PointsView<double>& targets, std::span<const double> own,
+              const Box<double>& box, double reach, bool proves, const Options& options) {
   const int dimension = points.dimension();
   Attempt attempt;
-  attempt.halo =
-      std::make_shared<Halo>(ranks, points, need_of(box, targets.size() > 0, reach, options),
-                             options.domain);
+  attempt.halo = std::make_shared<Halo>(
+      ranks, points, need_of(box, targets.size() > 0, reach, options), options.domain);
   const Halo& halo = *attempt.halo;
   const bool weighted = ranks.largest(options.particle_weights.empty() ? 0 : 1) > 0;
   const int width = dimension + (weighted ? 1 : 0);
@@ -146,7 +146,8 @@ Attempt tried(const Communicator& ranks, const PointsView<double>& points,
     Options local = options;
     std::vector<double> weights;
     for (std::size_t p = 0; weighted && p < halo.all(); ++p)
-      weights.push_back(all[p * static_cast<std::size_t>(width) + static_cast<std::size_t>(dimension)]);
+      weights.push_back(
+          all[p * static_cast<std::size_t>(width) + static_cast<std::size_t>(dimension)]);
     local.particle_weights = weights;
     const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(sizeof(double)) * width;
     std::array<const void*, max_dimension> first{};
@@ -214,7 +215,8 @@ Reconstruction::Reconstruction(MPI_Comm comm, const PointsView<double>& points,
       {static_cast<double>(dimension), static_cast<double>(options.degree),
        options.neighbours ? static_cast<double>(options.neighbours->index()) : -1,
        options.stretch[0], options.stretch[1], options.stretch[2],
-       static_cast<double>(options.domain.periodic[0]), static_cast<double>(options.domain.periodic[1]),
+       static_cast<double>(options.domain.periodic[0]),
+       static_cast<double>(options.domain.periodic[1]),
        static_cast<double>(options.domain.periodic[2]), options.domain.lower[0],
        options.domain.lower[1], options.domain.lower[2], options.domain.upper[0],
        options.domain.upper[1], options.domain.upper[2]});

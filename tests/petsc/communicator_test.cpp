@@ -56,9 +56,7 @@ TEST(Together, TypesAreKept) {
 }
 
 TEST(Together, WhatDiffersIsRefusedOnAll) {
-  const auto call = [](double number) {
-    world().together([] {}, "answer", {1, number});
-  };
+  const auto call = [](double number) { world().together([] {}, "answer", {1, number}); };
   EXPECT_NO_THROW(call(42));
   if (world().size() == 1) return;
   const std::string said = refusal([&] { call(world().rank() == 1 ? 41 : 42); });

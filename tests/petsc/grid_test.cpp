@@ -12,8 +12,8 @@
 namespace recon::testing {
 namespace {
 
-using ::testing::HasSubstr;
 using petsc::DistributedGrid;
+using ::testing::HasSubstr;
 
 constexpr double tolerance = 1e-12;
 
@@ -46,9 +46,8 @@ std::vector<petsc::DistributedGridOptions> layouts() {
 
 template <class Dimension>
 class GridOnRanks : public ::testing::Test {};
-using Dimensions =
-    ::testing::Types<std::integral_constant<int, 1>, std::integral_constant<int, 2>,
-                     std::integral_constant<int, 3>>;
+using Dimensions = ::testing::Types<std::integral_constant<int, 1>, std::integral_constant<int, 2>,
+                                    std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(GridOnRanks, Dimensions);
 
 TYPED_TEST(GridOnRanks, EveryNodeHasOneOwner) {
@@ -62,13 +61,12 @@ TYPED_TEST(GridOnRanks, EveryNodeHasOneOwner) {
       std::array<double, 3> x{};
       const auto index = grid.owned().index(i);
       for (int d = 0; d < D; ++d)
-        x[d] = grid.all().coordinate(
-            index[d] + static_cast<std::size_t>(grid.owned_begin()[d]), d);
+        x[d] = grid.all().coordinate(index[d] + static_cast<std::size_t>(grid.owned_begin()[d]), d);
       bool below = false;  // a place may round to below its node
       for (int d = 0; d < D; ++d)
-        below = below || std::floor(grid.place(x[d], d)) !=
-                             static_cast<double>(index[d]) +
-                                 static_cast<double>(grid.owned_begin()[d]);
+        below =
+            below || std::floor(grid.place(x[d], d)) !=
+                         static_cast<double>(index[d]) + static_cast<double>(grid.owned_begin()[d]);
       if (!below) {
         EXPECT_EQ(grid.rank_of(x), world().rank());
       }
@@ -85,7 +83,9 @@ TYPED_TEST(GridOnRanks, FillGivesTheNodesValuesAndSumIsItsTranspose) {
   for (const auto& layout : layouts<D>()) {
     const DistributedGrid grid(PETSC_COMM_WORLD, unit_grid<D>(), layout);
     constexpr int width = 3;
-    const auto value = [](std::size_t node, int q) { return std::sin(1.7 * static_cast<double>(3 * node) + q); };
+    const auto value = [](std::size_t node, int q) {
+      return std::sin(1.7 * static_cast<double>(3 * node) + q);
+    };
     std::vector<double> owned;
     for (std::size_t i = 0; i < grid.owned().size(); ++i)
       for (int q = 0; q < width; ++q) owned.push_back(value(owned_number(grid, i), q));
@@ -209,8 +209,7 @@ void expect_serial(const Points<D>& points, const Matrix& u, std::span<const dou
     for (Eigen::Index c = 0; c < fit.gradients().cols(); ++c)
       ASSERT_NEAR(fit.gradients()(static_cast<Eigen::Index>(i), c),
                   expected.gradients()(static_cast<Eigen::Index>(node), c),
-                  tolerance * scale / all.spacing[0] *
-                      std::max(1.0f, b.gradient_amplification))
+                  tolerance * scale / all.spacing[0] * std::max(1.0f, b.gradient_amplification))
           << "node " << node;
   }
   EXPECT_LE(differ, fit.size() / 200) << "reports that differ";
@@ -225,9 +224,9 @@ TYPED_TEST(GridOnRanks, EqualsTheSerialMoments) {
       const auto points = points_in<D>(grid.all(), count, 0, 5);
       Options options{.degree = degree};
       if (layout.ghosts == 3) options.stretch = {1.3, 1, 1.45};
-      expect_serial<D>(points, waves(points, 2), {}, grid, options,
-                       "degree " + std::to_string(degree) + " ghosts " +
-                           std::to_string(layout.ghosts));
+      expect_serial<D>(
+          points, waves(points, 2), {}, grid, options,
+          "degree " + std::to_string(degree) + " ghosts " + std::to_string(layout.ghosts));
     }
 }
 
@@ -238,10 +237,10 @@ TYPED_TEST(GridOnRanks, EqualsTheSerialMomentsWithOtherChoices) {
   const Matrix u = waves(points, 1);
   const double h = grid.all().spacing[0];
   expect_serial<D>(points, u, {}, grid, {.weight = Weight::quadratic_b_spline}, "quadratic");
-  expect_serial<D>(points, u, {}, grid,
-                   {.weight = Weight::gaussian, .form = WeightForm::radial,
-                    .neighbours = Radius{1.7 * h}},
-                   "radial Gaussian");
+  expect_serial<D>(
+      points, u, {}, grid,
+      {.weight = Weight::gaussian, .form = WeightForm::radial, .neighbours = Radius{1.7 * h}},
+      "radial Gaussian");
   std::vector<double> weights(points.size());
   for (std::size_t p = 0; p < weights.size(); ++p)
     weights[p] = 1 + 0.5 * std::sin(static_cast<double>(p));
@@ -278,13 +277,12 @@ TYPED_TEST(GridOnRanks, CellCentresEqualTheSerialMoments) {
     const auto points = points_in<D>(cells.all(), D == 3 ? 5000 : 700, 0, 8);
     // The particles are where those of the nodes are: half a cell more is within the ghosts.
     const Matrix u = waves(points, 1);
-    const auto own = mine(points, world(),
-                          [&](std::size_t p) { return nodes.rank_of(padded(points[p])); });
+    const auto own =
+        mine(points, world(), [&](std::size_t p) { return nodes.rank_of(padded(points[p])); });
     const Points<D> own_points = chosen(points, own);
     const Matrix own_u = chosen(u, own);
-    const GridReconstruction of_nodes_ranks =
-        petsc::reconstruct_on_grid(view_of<D>(own_points), {field_view(own_u)}, cells,
-                                   {.weight = Weight::quadratic_b_spline});
+    const GridReconstruction of_nodes_ranks = petsc::reconstruct_on_grid(
+        view_of<D>(own_points), {field_view(own_u)}, cells, {.weight = Weight::quadratic_b_spline});
     EXPECT_EQ(of_nodes_ranks.size(), cells.owned().size());
     expect_serial<D>(points, u, {}, cells, {.weight = Weight::quadratic_b_spline}, "cells");
   }
@@ -331,8 +329,8 @@ TEST(GridErrors, AParticleBeyondThePieceIsNamedOnAllRanks) {
     points = {{middle}, {0.0}};
   }
   const Matrix u = Matrix::Ones(static_cast<Eigen::Index>(points.size()), 1);
-  const std::string said = refusal(
-      [&] { petsc::reconstruct_on_grid(view_of<1>(points), {field_view(u)}, grid); });
+  const std::string said =
+      refusal([&] { petsc::reconstruct_on_grid(view_of<1>(points), {field_view(u)}, grid); });
   EXPECT_THAT(said, HasSubstr("rank 1: coordinate x of point 1 of the particles = 0"));
   EXPECT_THAT(said, HasSubstr("must see no nodes beyond this rank's piece"));
   EXPECT_THAT(said, HasSubstr("but sees 0 to 1"));
@@ -422,13 +420,9 @@ TEST(GridErrors, BadGridsAreRefusedOnAll) {
 TEST(GridErrors, SizesThatDoNotFitAreRefusedOnAll) {
   const DistributedGrid grid(PETSC_COMM_WORLD, unit_grid<2>());
   const std::size_t wrong = world().rank() == 0 ? 1 : 0;
-  EXPECT_THAT(refusal([&] {
-                grid.sum(std::vector<double>(grid.piece().size() * 2 + wrong), 2);
-              }),
+  EXPECT_THAT(refusal([&] { grid.sum(std::vector<double>(grid.piece().size() * 2 + wrong), 2); }),
               HasSubstr("rank 0: numbers of this rank's piece"));
-  EXPECT_THAT(refusal([&] {
-                grid.fill(std::vector<double>(grid.owned().size() * 2 + wrong), 2);
-              }),
+  EXPECT_THAT(refusal([&] { grid.fill(std::vector<double>(grid.owned().size() * 2 + wrong), 2); }),
               HasSubstr("rank 0: numbers of this rank's nodes"));
   EXPECT_THAT(refusal([&] { grid.dm(0); }), HasSubstr("numbers at a node = 0"));
   EXPECT_THAT(refusal([&] { grid.dm(2000000000); }), HasSubstr("PETSc's integers"));

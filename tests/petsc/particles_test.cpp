@@ -8,9 +8,9 @@
 namespace recon::testing {
 namespace {
 
-using ::testing::HasSubstr;
 using petsc::DistributedGrid;
 using petsc::Particles;
+using ::testing::HasSubstr;
 
 // Each particle is told by what it carries: three numbers that are functions of its id.
 double carried(std::int64_t id, int c) {
@@ -76,9 +76,8 @@ Points<D> nodes_and_their_neighbours(const StructuredGrid<double>& grid) {
 
 template <class Dimension>
 class ParticlesOnRanks : public ::testing::Test {};
-using Dimensions =
-    ::testing::Types<std::integral_constant<int, 1>, std::integral_constant<int, 2>,
-                     std::integral_constant<int, 3>>;
+using Dimensions = ::testing::Types<std::integral_constant<int, 1>, std::integral_constant<int, 2>,
+                                    std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(ParticlesOnRanks, Dimensions);
 
 TYPED_TEST(ParticlesOnRanks, PlanesEdgesAndCornersBetweenRanks) {
@@ -242,7 +241,8 @@ TEST(Particles, BadArraysAreRefused) {
                 HasSubstr("arrays of the particles = different on some ranks"));
   }
   Particles particles = made<1>(grid, {{0.5}});
-  EXPECT_THAT(refusal([&] { particles.array("tga"); }), HasSubstr("those that they have: tag, other"));
+  EXPECT_THAT(refusal([&] { particles.array("tga"); }),
+              HasSubstr("those that they have: tag, other"));
   const Points<1> one{{0.5}};
   const Matrix zero = Matrix::Zero(2, 3);
   EXPECT_THAT(refusal([&] { particles.add(view_of<1>(one), {}); }),

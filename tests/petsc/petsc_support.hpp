@@ -50,10 +50,10 @@ Points<D> points_in(const StructuredGrid<double>& grid, std::size_t count, doubl
       const double part = std::uniform_real_distribution<double>(-beyond, 1 + beyond)(random);
       points[p][d] = grid.origin[d] + part * width;
       if (on_node > 0 && p % on_node == 0)
-        points[p][d] = grid.coordinate(static_cast<std::size_t>(std::clamp(
-                                           part * static_cast<double>(grid.counts[d] - 1), 0.0,
-                                           static_cast<double>(grid.counts[d] - 1))),
-                                       d);
+        points[p][d] = grid.coordinate(
+            static_cast<std::size_t>(std::clamp(part * static_cast<double>(grid.counts[d] - 1), 0.0,
+                                                static_cast<double>(grid.counts[d] - 1))),
+            d);
     }
   return points;
 }

@@ -45,8 +45,8 @@ void expect_serial(const Points<D>& points, const Points<D>& targets, const Opti
   Options parallel = options;
   parallel.particle_weights = own_weights;
   if (per_target) parallel.neighbours = Radii{own_radii};
-  const petsc::Reconstruction fit(PETSC_COMM_WORLD, view_of<D>(own_points),
-                                  view_of<D>(own_targets), parallel);
+  const petsc::Reconstruction fit(PETSC_COMM_WORLD, view_of<D>(own_points), view_of<D>(own_targets),
+                                  parallel);
 
   const petsc::Operator values = fit.values();
   const petsc::Operator slopes = fit.gradient();
@@ -92,9 +92,9 @@ void expect_serial(const Points<D>& points, const Points<D>& targets, const Opti
   const Matrix back = values.apply_transpose(field_view(own_f));
   ASSERT_EQ(made.rows(), static_cast<Eigen::Index>(own_t.size()));
   ASSERT_EQ(back.rows(), static_cast<Eigen::Index>(own_p.size()));
-  std::array<double, 2> products{(made.array() * own_f.array()).isFinite().select(
-                                     made.array() * own_f.array(), 0).sum(),
-                                 (back.array() * own_u.array()).sum()};
+  std::array<double, 2> products{
+      (made.array() * own_f.array()).isFinite().select(made.array() * own_f.array(), 0).sum(),
+      (back.array() * own_u.array()).sum()};
   MPI_Allreduce(MPI_IN_PLACE, products.data(), 2, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
   EXPECT_NEAR(products[0], products[1], 1e-11 * static_cast<double>(targets.size() + 1));
   const Matrix serial_back = expected.apply_transpose(field_view(f));
@@ -106,9 +106,8 @@ void expect_serial(const Points<D>& points, const Points<D>& targets, const Opti
 
 template <class Dimension>
 class ScatteredOnRanks : public ::testing::Test {};
-using Dimensions =
-    ::testing::Types<std::integral_constant<int, 1>, std::integral_constant<int, 2>,
-                     std::integral_constant<int, 3>>;
+using Dimensions = ::testing::Types<std::integral_constant<int, 1>, std::integral_constant<int, 2>,
+                                    std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(ScatteredOnRanks, Dimensions);
 
 TYPED_TEST(ScatteredOnRanks, EqualsTheSerialOperators) {
@@ -124,10 +123,10 @@ TYPED_TEST(ScatteredOnRanks, EqualsTheSerialOperators) {
     expect_serial<D>(points, targets, {}, "nearest");
     expect_serial<D>(points, targets, {.degree = 2, .neighbours = Nearest{14, 1.3}}, "14 nearest");
     expect_serial<D>(points, targets, {.neighbours = Radius{0.25}}, "radius");
-    expect_serial<D>(points, targets,
-                     {.form = WeightForm::tensor_product, .neighbours = Radius{0.2},
-                      .stretch = {1.1, 1, 1.4}},
-                     "cube, stretched");
+    expect_serial<D>(
+        points, targets,
+        {.form = WeightForm::tensor_product, .neighbours = Radius{0.2}, .stretch = {1.1, 1, 1.4}},
+        "cube, stretched");
     expect_serial<D>(points, targets,
                      {.form = WeightForm::tensor_product, .neighbours = Nearest{11}},
                      "cube of the nearest");

@@ -51,8 +51,8 @@ enum class Outside {
 
 // What a migration has done.
 struct Migration {
-  std::int64_t moved = 0;            // particles that have changed their rank, of all ranks
-  std::int64_t outside = 0;          // particles beyond the box, of all ranks
+  std::int64_t moved = 0;               // particles that have changed their rank, of all ranks
+  std::int64_t outside = 0;             // particles beyond the box, of all ranks
   std::int64_t sent = 0, received = 0;  // of this rank
 };
 
@@ -75,7 +75,7 @@ class Particles {
   Migration migrate();
 
   const DistributedGrid& grid() const;
-  std::size_t size() const;     // of this rank
+  std::size_t size() const;    // of this rank
   std::int64_t total() const;  // of all ranks
 
   // Coordinates x0 y0 z0 x1 y1 z1 ..., dimension() numbers for each particle.

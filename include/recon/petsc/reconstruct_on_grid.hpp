@@ -23,7 +23,7 @@
 // coordinates need not be wrapped.
 //
 // All functions but solve_owned() and moments_of_piece() are collective. Cost besides that of the
-// moments: one round of messages of GridMoments::per_node() numbers for each ghost, and two
+// moments: one round of messages of GridMoments::per_node() numbers for each ghost, and three
 // reductions of three numbers.
 #pragma once
 
