@@ -118,8 +118,7 @@ TYPED_TEST(Probes, ReactionsAreWhatMomentumLacks) {
     problem.boundaries = {{0, 1.0 / 6, {}}, {0, 5.0 / 6, {}}};
     problem.boundaries[0].velocity.fill(0.0);
     problem.boundaries[1].velocity[0] = 0.25;
-    problem.loads.push_back(
-        {3, Vector<D>::Ones() * 20, Vector<D>::Zero(), [](double) { return 1.0; }});
+    problem.loads.push_back(point_load<D>(3, Vector<D>::Ones() * 20, [](double) { return 1.0; }));
     problem.damping = {0.3, 0.2};
     std::mt19937 random(3);
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
