@@ -48,7 +48,9 @@ class ProblemReader {
     const std::vector<double> values = table.numbers(key, D);
     return Eigen::Map<const Vector<D>>(values.data());
   }
-  Expression expression(const TomlTable& table, std::string_view key, const toml::node& node) const;
+  // needed: what is said beside an error of the formula.
+  Expression expression(const TomlTable& table, std::string_view key, const toml::node& node,
+                        const std::string& needed = {}) const;
   // One for each axis, noted.
   std::array<Expression, D> expressions(const TomlTable& table, std::string_view key);
 

@@ -439,7 +439,7 @@ TEST_F(MpmFiles, BoundaryVelocities) {
   EXPECT_EQ(boundary.velocity[0], 0.5);
   EXPECT_FALSE(boundary.velocity[1].has_value());
   EXPECT_THAT(message(with("kind = \"fixed\"", "kind = \"velocity\"\nvelocity = [0.5, \"fre\"]")),
-              HasSubstr("a number or \"free\""));
+              HasSubstr("a number, a formula or \"free\""));
 }
 
 // A pressure on a side acts on the area of that side.
