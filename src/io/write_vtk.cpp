@@ -140,7 +140,7 @@ void describe_time(VtkFile& file, const FieldSet& fields) {
   file.xml("</FieldData>\n");
 }
 
-void append_value(std::string& bytes, double value, NumberType type) {
+void append_bytes_of(std::string& bytes, double value, NumberType type) {
   switch (type) {
     case NumberType::int32:
       return append_little_endian(bytes, static_cast<std::int32_t>(value));
@@ -167,10 +167,11 @@ void describe_fields(VtkFile& file, const FieldSet& fields, int dimension) {
     const auto components = static_cast<std::size_t>(field.components);
     file.array(attributes, type_name(field.type), field.size() * count, type_size(field.type),
                [&field, places, count, components](std::string& bytes, std::size_t i) {
-                 if (places.places == 0) return append_value(bytes, field.values[i], field.type);
+                 if (places.places == 0) return append_bytes_of(bytes, field.values[i], field.type);
                  const int from = places.from[i % count];
-                 append_value(bytes, from < 0 ? 0.0 : field.values[i / count * components + from],
-                              field.type);
+                 append_bytes_of(bytes,
+                                 from < 0 ? 0.0 : field.values[i / count * components + from],
+                                 field.type);
                });
   }
   file.xml("</PointData>\n");

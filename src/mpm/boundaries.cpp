@@ -6,7 +6,8 @@ namespace recon::mpm {
 template <int D>
 BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem) {
   const Grid<D>& grid = problem.grid;
-  for (const Boundary<D>& boundary : problem.boundaries) {
+  for (std::size_t b = 0; b < problem.boundaries.size(); ++b) {
+    const Boundary<D>& boundary = problem.boundaries[b];
     const auto plane = static_cast<std::size_t>(
         std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
     if (const int face = boundary.face(grid);
@@ -17,7 +18,7 @@ BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem
       if (!boundary.covers(grid.position(i), 1e-6 * grid.h())) continue;
       for (int d = 0; d < D; ++d)
         if (boundary.velocity[d])
-          held_.push_back({static_cast<std::uint32_t>(i), d, &*boundary.velocity[d]});
+          held_.push_back({static_cast<std::uint32_t>(i), d, &*boundary.velocity[d], b});
     }
   }
 }

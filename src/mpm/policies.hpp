@@ -79,6 +79,7 @@ class BoundaryPolicy : public Policy<D> {
     std::uint32_t node = 0;
     int axis = 0;
     const HeldVelocity<D>* velocity = nullptr;
+    std::size_t boundary = 0;  // the number of the boundary that holds it
   };
 
   explicit BoundaryPolicy(const Problem<D>& problem);
@@ -132,6 +133,16 @@ class MassPolicy : public Policy<D> {
   void watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) const;
 };
 
+// What takes motion from the nodes.
+template <int D>
+class DampingPolicy : public Policy<D> {
+ public:
+  using Policy<D>::Policy;
+  // Changes accelerations, and says in nodes.damping by how much: against the mapped velocities,
+  // where no velocity is held.
+  void slow(const BoundaryPolicy<D>& boundaries, Nodes<D>& nodes) const;
+};
+
 // Forces on the particles from outside.
 template <int D>
 class LoadPolicy : public Policy<D> {
@@ -180,6 +191,7 @@ struct Policies {
         mass(make_mass(problem)),
         boundaries(problem),
         loads(problem),
+        damping(problem),
         update(make_update(problem)) {}
 
   std::unique_ptr<const QuadraturePolicy<D>> quadrature;
@@ -187,6 +199,7 @@ struct Policies {
   std::unique_ptr<const MassPolicy<D>> mass;
   BoundaryPolicy<D> boundaries;
   LoadPolicy<D> loads;
+  DampingPolicy<D> damping;
   std::unique_ptr<const UpdatePolicy<D>> update;
 };
 

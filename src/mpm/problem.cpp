@@ -22,6 +22,13 @@ void TimeOptions::validate() const {
           "must be positive and finite");
   require(rule != StepRule::fixed || (step > 0 && std::isfinite(step)), "step", step,
           "must be positive and finite");
+  require(!rest || (*rest > 0 && *rest < 1), "tolerance", rest.value_or(0),
+          "must lie between 0 and 1");
+}
+
+void Damping::validate() const {
+  require(local >= 0 && local < 1, "local", local, "must be at least 0 and below 1");
+  require(mass >= 0 && std::isfinite(mass), "mass", mass, "must be finite and not negative");
 }
 
 template <int D>
@@ -138,6 +145,7 @@ void Problem<D>::validate() const {
               "nodes would depend on accelerations of the held ones");
   }
   for (const Load<D>& load : loads) load.validate(particles.size());
+  damping.validate();
   time.validate();
 }
 

@@ -12,7 +12,7 @@ void Step<D>::operator()(State<D>& s, double dt) {
 
 template <int D>
 void Step<D>::to_nodes(const State<D>& s) {
-  const auto& [quadrature, map, mass, boundaries, loads, update] = *policies_;
+  const auto& [quadrature, map, mass, boundaries, loads, damping, update] = *policies_;
   nodes_.clear(problem_->grid.size(), problem_->method.has_light_nodes());
   loads.body_force(s, body_force_);
   // 1  particles to nodes: m_i, f_i and p_i by the quadrature, v_i = p_i / m_i or a fit
@@ -22,6 +22,7 @@ void Step<D>::to_nodes(const State<D>& s) {
   mass->watch(s.steps, nodes_, signs_);
   mass->accelerate(s, from, boundaries, nodes_);  // 2  a_i = f_i / m_i + g
   map->velocities(s, nodes_);
+  damping.slow(boundaries, nodes_);
   nodes_.velocity = nodes_.mapped;
   boundaries.hold(s.time, problem_->method.velocity_lag(s.last_dt), nodes_);
 }
@@ -39,6 +40,15 @@ Step<D>::Step(Problem<D> problem, std::size_t particles) {
   problem.particles = {};
   problem_ = std::make_shared<const Problem<D>>(std::move(problem));
   policies_ = std::make_shared<const Policies<D>>(*problem_);
+}
+
+template <int D>
+std::vector<Vector<D>> Step<D>::load_forces(const State<D>& s) const {
+  if (problem_->loads.empty()) return {};
+  Nodes<D> loaded;
+  loaded.clear(problem_->grid.size(), false);
+  policies_->loads.to_nodes(s, loaded);
+  return std::move(loaded.force);
 }
 
 template <int D>

@@ -105,7 +105,8 @@ struct Reader {
               H5Dread(set, Kind<T>::memory(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0,
           "'" + text + "' could not be read");
   }
-  double number(const char* name) const {
+  // `known`: a number that is not known (NaN) is none.
+  double number(const char* name, bool known = true) const {
     const std::string text(name);
     const Handle at(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
     check(at >= 0, "has no attribute '" + text + "'");
@@ -114,7 +115,8 @@ struct Reader {
               H5Sget_simple_extent_type(space) == H5S_SCALAR,
           "the attribute '" + text + "' is no number");
     double value = 0;
-    check(H5Aread(at, H5T_NATIVE_DOUBLE, &value) >= 0 && std::isfinite(value),
+    check(H5Aread(at, H5T_NATIVE_DOUBLE, &value) >= 0 &&
+              (std::isfinite(value) || (!known && std::isnan(value))),
           "the attribute '" + text + "' is no finite number");
     return value;
   }
@@ -180,6 +182,7 @@ void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& si
     write.attribute("start_kinetic", state.start.kinetic);
     write.attribute("start_node_kinetic", state.start.node_kinetic);
     write.attribute("start_strain", state.start.strain);
+    write.attribute("work", state.work);
   }
   if (error == 0) error = write_seal(atomic.descriptor());
   if (error != 0)
@@ -237,6 +240,7 @@ RunState read_checkpoint(const std::filesystem::path& path, Simulation<D>& simul
   state.start.kinetic = read.number("start_kinetic");
   state.start.node_kinetic = read.number("start_node_kinetic");
   state.start.strain = read.number("start_strain");
+  state.work = read.number("work", false);
   simulation.restore(std::move(particles), time, static_cast<std::int64_t>(steps), last_dt);
   return state;
 }

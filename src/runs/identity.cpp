@@ -92,6 +92,8 @@ Identity identity_of(const Problem<D>& problem, const Particles<D>& particles,
                                              ", offset (" + text_of<D>(load.offset) + "), area (" +
                                              text_of<D>(load.area) + ")");
   }
+  add("damping.local", text_of(problem.damping.local));
+  add("damping.mass", text_of(problem.damping.mass));
   for (const auto& [key, text] : formulas) add(key, text);
   return out;
 }

@@ -1,15 +1,17 @@
 #include "recon/runs/ledger.hpp"
 
 #include <charconv>
+#include <limits>
 
 #include "mpm/modes.hpp"
 #include "recon/core/parallel.hpp"
+#include "recon/runs/external.hpp"
 #include "runs/angular.hpp"
 
 namespace recon::mpm {
 namespace {
 
-constexpr std::size_t particles_per_block = 4096;
+constexpr std::size_t particles_per_sum = 4096;
 
 template <int D>
 void add(std::array<double, 3>& sum, const Vector<D>& value) {
@@ -32,7 +34,8 @@ void add(std::array<double, 3>& sum, const std::array<double, 3>& value) {
 }  // namespace
 
 template <int D>
-Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start) {
+Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start,
+               const std::optional<Ledger>& before) {
   recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
                          "needs a map() before");
   const Problem<D>& problem = simulation.problem();
@@ -42,36 +45,41 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
 
   const VelocityMap map = problem.method.velocity;
   const std::size_t modes = mode_count(map, D);
+  const std::vector<Vector<D>>& body_force = simulation.stepper().body_force();
 
   // Sums of blocks, added in their order.
-  std::vector<Ledger> blocks((particles.size() + particles_per_block - 1) / particles_per_block);
+  std::vector<Ledger> blocks((particles.size() + particles_per_sum - 1) / particles_per_sum);
   with_shape(problem.method, [&](auto shape_of) {
-    parallel_blocks(
-        particles.size(), particles_per_block, problem.threads,
-        [&](std::size_t begin, std::size_t end) {
-          Ledger& sum = blocks[begin / particles_per_block];
-          typename decltype(shape_of)::template Nodes<D> shape;
-          ParticleModes<D, decltype(shape_of)> of;
-          for (std::size_t p = begin; p < end; ++p) {
-            shape_of.shape(problem.grid, particles, p, shape);
-            const double m = particles.mass[p];
-            const Vector<D> momentum = m * particles.v[p];
-            const Vector<D> now = particles.v[p] + half * shape.value(nodes.acceleration, trusted);
-            sum.mass += m;
-            add<D>(sum.momentum, momentum);
-            add_angular<D>(sum.angular, particles.x[p], momentum);
-            if (modes > 0) {
-              fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
-              const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
-              for (int d = 0; d < D; ++d)
-                add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
-            }
-            sum.kinetic += m * now.squaredNorm() / 2;
-            sum.strain += particles.energy[p];
-            sum.linear_strain += linear_strain_energy(lame(problem.materials[particles.body[p]]),
-                                                      particles.stress[p], particles.volume(p));
-          }
-        });
+    parallel_blocks(particles.size(), particles_per_sum, problem.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      Ledger& sum = blocks[begin / particles_per_sum];
+                      typename decltype(shape_of)::template Nodes<D> shape;
+                      ParticleModes<D, decltype(shape_of)> of;
+                      for (std::size_t p = begin; p < end; ++p) {
+                        shape_of.shape(problem.grid, particles, p, shape);
+                        const double m = particles.mass[p];
+                        const Vector<D> momentum = m * particles.v[p];
+                        const Vector<D> gained = half * shape.value(nodes.acceleration, trusted);
+                        const Vector<D> now = particles.v[p] + gained;
+                        Vector<D> weight = m * problem.gravity;
+                        if (!body_force.empty()) weight += m * body_force[p];
+                        sum.power += weight.dot(shape.value(nodes.velocity, trusted) + gained);
+                        sum.mass += m;
+                        add<D>(sum.momentum, momentum);
+                        add_angular<D>(sum.angular, particles.x[p], momentum);
+                        if (modes > 0) {
+                          fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
+                          const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
+                          for (int d = 0; d < D; ++d)
+                            add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
+                        }
+                        sum.kinetic += m * now.squaredNorm() / 2;
+                        sum.strain += particles.energy[p];
+                        sum.linear_strain +=
+                            linear_strain_energy(lame(problem.materials[particles.body[p]]),
+                                                 particles.stress[p], particles.volume(p));
+                      }
+                    });
   });
   Ledger ledger;
   ledger.step = simulation.steps();
@@ -82,6 +90,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
     add(ledger.angular, block.angular);
     ledger.kinetic += block.kinetic;
     ledger.strain += block.strain;
+    ledger.power += block.power;
     ledger.linear_strain += block.linear_strain;
   }
   // M v of a velocity v.
@@ -116,6 +125,11 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const Ledger& from = start ? *start : ledger;
   ledger.interpolation_error -= from.node_kinetic - from.kinetic;
   ledger.algorithmic_error += from.node_kinetic + from.strain;
+  ledger.power += external_forces(simulation).power;
+  if (before)
+    ledger.work = before->work + (ledger.time - before->time) * (before->power + ledger.power) / 2;
+  else if (start)
+    ledger.work = std::numeric_limits<double>::quiet_NaN();
   return ledger;
 }
 
@@ -125,7 +139,7 @@ std::string ledger_header() {
          "node_momentum_z,angular_x,angular_y,angular_z,node_angular_x,node_angular_y,node_angular_"
          "z,"
          "kinetic,node_kinetic,strain,total,interpolation_error,algorithmic_error,linear_strain,"
-         "negative_nodes";
+         "negative_nodes,power,work,balance";
 }
 
 std::string ledger_row(const Ledger& ledger) {
@@ -141,15 +155,19 @@ std::string ledger_row(const Ledger& ledger) {
   for (const auto* each :
        {&ledger.momentum, &ledger.node_momentum, &ledger.angular, &ledger.node_angular})
     for (const double value : *each) put(value);
-  for (const double value : {ledger.kinetic, ledger.node_kinetic, ledger.strain, ledger.total(),
-                             ledger.interpolation_error, ledger.algorithmic_error,
-                             ledger.linear_strain, static_cast<double>(ledger.negative_nodes)})
+  for (const double value :
+       {ledger.kinetic, ledger.node_kinetic, ledger.strain, ledger.total(),
+        ledger.interpolation_error, ledger.algorithmic_error, ledger.linear_strain,
+        static_cast<double>(ledger.negative_nodes), ledger.power, ledger.work, ledger.balance()})
     put(value);
   return row;
 }
 
-template Ledger account(const Simulation<1>&, const std::optional<Ledger>&);
-template Ledger account(const Simulation<2>&, const std::optional<Ledger>&);
-template Ledger account(const Simulation<3>&, const std::optional<Ledger>&);
+template Ledger account(const Simulation<1>&, const std::optional<Ledger>&,
+                        const std::optional<Ledger>&);
+template Ledger account(const Simulation<2>&, const std::optional<Ledger>&,
+                        const std::optional<Ledger>&);
+template Ledger account(const Simulation<3>&, const std::optional<Ledger>&,
+                        const std::optional<Ledger>&);
 
 }  // namespace recon::mpm

@@ -29,7 +29,7 @@ void ProblemReader<D>::note(const TomlTable& table, std::string_view key) {
 
 template <int D>
 Expression ProblemReader<D>::expression(const TomlTable& table, std::string_view key,
-                                        const toml::node& node) const {
+                                        const toml::node& node, const std::string& needed) const {
   if (const auto number = node.value<double>(); number && !node.is_boolean()) {
     if (!std::isfinite(*number)) table.fail_at(node, key, "must be finite");
     return *number;
@@ -39,7 +39,7 @@ Expression ProblemReader<D>::expression(const TomlTable& table, std::string_view
   try {
     return {*text, constants_};
   } catch (const std::invalid_argument& error) {
-    table.fail_at(node, key, error.what());
+    table.fail_at(node, key, needed.empty() ? error.what() : error.what() + (" " + needed));
   }
 }
 

@@ -48,7 +48,9 @@ class ProblemReader {
     const std::vector<double> values = table.numbers(key, D);
     return Eigen::Map<const Vector<D>>(values.data());
   }
-  Expression expression(const TomlTable& table, std::string_view key, const toml::node& node) const;
+  // needed: what is said beside an error of the formula.
+  Expression expression(const TomlTable& table, std::string_view key, const toml::node& node,
+                        const std::string& needed = {}) const;
   // One for each axis, noted.
   std::array<Expression, D> expressions(const TomlTable& table, std::string_view key);
 
@@ -81,5 +83,9 @@ template <int D>
 void read_loads(ProblemReader<D>& reader);
 // The keys of the lists of loads, by their path.
 std::vector<std::string> load_keys();
+// The list [[probe]], of bodies and boundaries that are there, and its keys.
+template <int D>
+void read_probes(ProblemReader<D>& reader);
+std::vector<std::string> probe_keys();
 
 }  // namespace recon::mpm

@@ -104,14 +104,15 @@ struct BoundaryKind {
 };
 template <int D>
 void hold_given(ProblemReader<D>& reader, Boundary<D>& boundary, const TomlTable& table) {
+  const std::string needed = "a number, a formula or \"free\" is needed";
   reader.note(table, "velocity");
   int d = -1;
   for (const toml::node* node : table.elements("velocity", D)) {
     ++d;
     if (node->value_or(std::string()) == "free") continue;
     if (!node->is_string() && !(node->is_number() && std::isfinite(node->value_or(0.0))))
-      table.fail_at(*node, "velocity", "a number, a formula or \"free\" is needed");
-    const Expression value = reader.expression(table, "velocity", *node);
+      table.fail_at(*node, "velocity", needed);
+    const Expression value = reader.expression(table, "velocity", *node, needed);
     if (value.is_constant())
       boundary.velocity[d] = value({});
     else

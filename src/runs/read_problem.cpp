@@ -42,21 +42,27 @@ const KnownKeys fixed_keys{
      "time.rule",
      "time.courant",
      "time.step",
+     "time.until",
+     "time.tolerance",
+     "damping.local",
      "limits.memory",
      "limits.steps",
      "output.frames",
      "output.ledger",
      "output.fields",
+     "output.probe_every",
+     "output.probe_interval",
      "loads.gravity",
      "loads.body_force"},
     {"constants.*", "body.lower", "body.upper", "body.wkt", "body.file", "body.volume",
      "body.material.kind", "body.material.young", "body.material.poisson", "body.material.density",
-     "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity", "boundary.from",
-     "boundary.to"}};
+     "damping.mass", "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity",
+     "boundary.from", "boundary.to"}};
 
 KnownKeys known_keys() {
   KnownKeys keys = fixed_keys;
   for (const std::string& key : load_keys()) keys.others.push_back(key);
+  for (const std::string& key : probe_keys()) keys.others.push_back(key);
   // "velocity" alone is that of the bodies.
   const auto is_taken = [&](const std::string& key) {
     return std::any_of(keys.settable.begin(), keys.settable.end(),
@@ -97,8 +103,8 @@ void read_grid(ProblemReader<D>& reader) {
   grid.finish();
 }
 
-// A name, perhaps with choices in it, and choices beside it, which then stand in the name as well: what
-// a method is called says what it is. A choice is said in one place only.
+// A name, perhaps with choices in it, and choices beside it, which then stand in the name as well:
+// what a method is called says what it is. A choice is said in one place only.
 template <int D>
 void read_method(ProblemReader<D>& reader) {
   const TomlTable table = reader.file().table("method");
@@ -165,7 +171,19 @@ void read_time(ProblemReader<D>& reader) {
                                    : StepRule::fixed;
   if (keys.has("courant")) time.courant = keys.number("courant");
   if (time.rule == StepRule::fixed) time.step = keys.number("step");
+  if (keys.choice("until", Words{"end", "rest"}) == "rest")
+    time.rest = keys.number("tolerance", 1e-4);
   checked(keys, "end", [&] { time.validate(); });
+  keys.finish();
+}
+
+template <int D>
+void read_damping(ProblemReader<D>& reader) {
+  Damping& damping = reader.problem().damping;
+  const TomlTable keys = reader.file().table("damping");
+  damping.local = keys.number("local", 0);
+  damping.mass = keys.number("mass", 0);
+  checked(keys, "local", [&] { damping.validate(); });
   keys.finish();
 }
 
@@ -176,6 +194,13 @@ void read_output(ProblemReader<D>& reader) {
   options.frames = output.integer("frames", 50, 0, 1000000);
   options.ledger = output.boolean("ledger", true);
   if (output.has("fields")) options.fields = output.choices("fields", particle_fields());
+  options.probe_every = output.integer("probe_every", 1, 1, 1000000000);
+  if (output.has("probe_interval")) {
+    if (output.has("probe_every"))
+      output.fail("probe_interval", "stands beside probe_every: only one of them says when");
+    options.probe_interval = output.number("probe_interval");
+    if (!(options.probe_interval > 0)) output.fail("probe_interval", "must be positive");
+  }
   output.finish();
 }
 
@@ -194,6 +219,8 @@ ProblemFile<D> read(const std::filesystem::path& path, const toml::table& root) 
   read_manufactured(reader);
   read_boundaries(reader);
   read_loads(reader);
+  read_damping(reader);
+  read_probes(reader);
   read_time(reader);
   read_output(reader);
   file.finish();

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
-#include "recon/io/atomic_file.hpp"
 #include "recon/runs/frames.hpp"
+#include "runs/rows_file.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -27,38 +26,6 @@ TimeStep step_towards(double end, const Simulation<D>& simulation, const Limits&
                       " more steps");
   return step;
 }
-
-// ledger.csv, complete also where a run ends by an exception; a run that goes on keeps the rows
-// before `first_step`.
-class LedgerFile {
- public:
-  LedgerFile(const std::filesystem::path& path, bool goes_on, std::int64_t first_step)
-      : path_(path) {
-    AtomicFile file(path);
-    file.write(ledger_header() + "\n");
-    if (goes_on) {
-      std::ifstream before(path);
-      std::string line;
-      std::getline(before, line);
-      // A line without its end is one that a full disk has cut.
-      while (std::getline(before, line) && !before.eof() && std::atoll(line.c_str()) < first_step)
-        file.write(line + "\n");
-    }
-    file.commit();
-    out_.open(path, std::ios::app);
-  }
-  void add(const Ledger& ledger) {
-    out_ << ledger_row(ledger) << '\n';
-    if (!out_) throw FileError(path_, 0, "could not be written");
-  }
-  void flush() {
-    if (!out_.flush()) throw FileError(path_, 0, "could not be written");
-  }
-
- private:
-  std::filesystem::path path_;
-  std::ofstream out_;
-};
 
 bool same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
   std::error_code none;
@@ -94,11 +61,12 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   require_possible(result.forecast, file.limits);
   const int frames = file.output.frames;
   const std::filesystem::path ledger_path = options.folder / "ledger.csv";
+  const std::filesystem::path probes_path = options.folder / "probes.csv";
   const std::filesystem::path checkpoint = options.folder / "checkpoint.h5";
   const bool from_start = options.restart.empty();
   const bool own_folder = !from_start && same_folder(options.restart.parent_path(), options.folder);
   if (!own_folder && !options.overwrite)
-    for (const auto& path : {ledger_path, checkpoint})
+    for (const auto& path : {ledger_path, probes_path, checkpoint})
       if (std::filesystem::exists(path))
         throw OtherRun(path, 0,
                        "is of another run; go on from its checkpoint, overwrite it, or choose "
@@ -124,8 +92,11 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   std::filesystem::create_directories(options.folder, error);
   if (error) throw FileError(options.folder, 0, "could not be made: " + error.message());
 
-  std::optional<LedgerFile> ledger_file;
-  if (file.output.ledger) ledger_file.emplace(ledger_path, own_folder, simulation.steps());
+  std::optional<RowsFile> ledger_file, probes_file;
+  if (file.output.ledger)
+    ledger_file.emplace(ledger_path, ledger_header(), own_folder, simulation.steps());
+  if (!file.probes.empty())
+    probes_file.emplace(probes_path, probes_header(file.probes), own_folder, simulation.steps());
   FrameOptions frame_options;
   frame_options.fields = file.output.fields;
   frame_options.first_listed = own_folder ? 0 : state.frame_times.size();
@@ -138,28 +109,50 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
     return state.frame_times.empty() ||
            multiple(simulation.time()) > multiple(state.frame_times.back());
   };
+  // Rows of the probes are due by time or number of the step alone, so that a restart has the same.
+  const auto probes_due = [&] {
+    const double interval = file.output.probe_interval, time = simulation.time();
+    if (interval <= 0) return simulation.steps() % file.output.probe_every == 0;
+    const auto multiple = [&](double t) { return std::floor(t / interval * (1 + 1e-9)); };
+    return simulation.steps() == 0 || multiple(time) > multiple(time - simulation.last_step());
+  };
+  // Without a ledger only the ends are accounted for, and the work between them is not known.
+  const bool every_step = ledger_file || file.problem.time.rest;
+  std::optional<Ledger> before;
   for (bool first = true;; first = false) {
     simulation.map();
-    const bool done = simulation.time() >= end * (1 - 1e-14);
+    bool done = simulation.time() >= end * (1 - 1e-14);
     result.unfitted = std::max(result.unfitted, simulation.nodes().unfitted);
     const bool stopped = !done && options.stop && options.stop();
-    // Without a ledger only the ends are accounted for.
-    if (ledger_file || first || done || stopped) {
-      const Ledger now = account(
-          simulation, first && from_start ? std::optional<Ledger>() : std::optional(state.start));
+    if (every_step || first || done || stopped) {
+      Ledger now = account(
+          simulation, first && from_start ? std::optional<Ledger>() : std::optional(state.start),
+          before);
+      if (first && !from_start) now.work = state.work;
+      state.work = every_step ? now.work : std::numeric_limits<double>::quiet_NaN();
+      if (every_step) before = now;
       if (first && from_start) state.start = now;
       if (first) result.first = now;
       result.last = now;
       result.largest_momentum_defect =
           std::max(result.largest_momentum_defect, distance(now.momentum, now.node_momentum));
-      if (ledger_file) ledger_file->add(now);
+      if (ledger_file) ledger_file->add(ledger_row(now));
+      if (const auto& tolerance = file.problem.time.rest) {
+        result.rest = rest_of(simulation, external_forces(simulation), now.node_kinetic, now.strain,
+                              *tolerance);
+        done = done || result.rest->reached;
+      }
     }
-    const bool due = frame_due();
+    const bool due = frame_due() || (done && frames > 0 && result.rest && result.rest->reached &&
+                                     state.frame_times.back() < simulation.time());
     if (due)
       write_frame(options.folder, options.name, simulation, state.frame_times, frame_options);
-    result.stopped = stopped;
+    result.stopped = stopped && !done;
+    if (probes_file && (done || probes_due()))
+      probes_file->add(probes_row(file.probes, simulation));
     if (due || done || result.stopped || (first && from_start)) {
       if (ledger_file) ledger_file->flush();
+      if (probes_file) probes_file->flush();
       write_checkpoint(checkpoint, simulation, file.formulas, state);
       if (options.saved) options.saved(simulation.time(), simulation.steps());
     }

@@ -159,7 +159,7 @@ hid_t driver() {
 
 // ---- the seal -----------------------------------------------------------------------------------
 constexpr char first_line[] = "recon-mpm checkpoint, format ";
-constexpr int format = 2;
+constexpr int format = 3;
 
 // Of all after the seal; false where reading fails.
 bool seal_of(int descriptor, std::array<char, seal_size>& seal) {

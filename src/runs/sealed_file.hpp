@@ -1,7 +1,7 @@
 // HDF5 files behind a seal: 512 bytes of text before them with a length and a checksum of all that
 // follows, so that a damaged file is found out before the HDF5 library sees it.
 //
-//   recon-mpm checkpoint, format 2
+//   recon-mpm checkpoint, format 3
 //   bytes 9136
 //   checksum 0123456789abcdef
 //

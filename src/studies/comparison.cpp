@@ -12,34 +12,6 @@
 namespace recon::mpm {
 namespace {
 
-// The work of gravity, body force and loads on the particles, by the trapezoidal rule.
-template <int D>
-class Work {
- public:
-  double upto(const Simulation<D>& simulation) {
-    const Problem<D>& problem = simulation.problem();
-    const Particles<D>& particles = simulation.particles();
-    std::vector<Vector<D>> force(particles.size(), problem.gravity);
-    if (problem.body_force)
-      problem.body_force(particles, simulation.time(), problem.threads, force);
-    for (std::size_t p = 0; p < particles.size(); ++p) force[p] *= particles.mass[p];
-    std::vector<Vector<D>> places = particles.x;  // where forces act: loads have their own
-    for (const Load<D>& load : problem.loads) {
-      force.push_back(force_of(load, particles, simulation.time()));
-      places.push_back(place_of(load, particles).x);
-    }
-    for (std::size_t p = 0; p < before_.size(); ++p)
-      work_ += (force[p] + force_[p]).dot(places[p] - before_[p]) / 2;
-    force_ = std::move(force);
-    before_ = std::move(places);
-    return work_;
-  }
-
- private:
-  double work_ = 0;
-  std::vector<Vector<D>> force_, before_;
-};
-
 // What a run shows, also where it fails.
 template <int D>
 void watch(const ProblemFile<D>& file, Simulation<D>& simulation, ComparisonRow& row) {
@@ -47,18 +19,17 @@ void watch(const ProblemFile<D>& file, Simulation<D>& simulation, ComparisonRow&
   const Problem<D>& problem = simulation.problem();
   const Particles<D>& particles = simulation.particles();
   std::vector<double> seconds;
-  std::optional<Ledger> start;
+  std::optional<Ledger> start, before;
   std::optional<Clock::time_point> left;
   Ledger now;
-  Work<D> work;
-  double energy = 0, most_energy = 0, most_momentum = 0, most_angular = 0;
+  double most_energy = 0, most_momentum = 0, most_angular = 0;
   double momentum_defect = 0, angular_defect = 0;
   try {
     const auto observe = [&] {
       if (left) seconds.push_back(std::chrono::duration<double>(Clock::now() - *left).count());
-      now = account(simulation, start);
+      now = account(simulation, start, before);
+      before = now;
       if (!start) start = now;
-      energy = now.total() - work.upto(simulation);
       most_energy = std::max(most_energy, now.total());
       double momentum = 0, angular = 0;
       for (std::size_t p = 0; p < particles.size(); ++p) {
@@ -86,7 +57,7 @@ void watch(const ProblemFile<D>& file, Simulation<D>& simulation, ComparisonRow&
     row.nanoseconds = *tenth * 1e9 / static_cast<double>(particles.size());
   }
   if (!row.failure.empty()) return;
-  row.energy_error = (energy - start->total()) / most_energy;
+  row.energy_error = (now.balance() - start->balance()) / most_energy;
   const bool free = problem.boundaries.empty() && problem.loads.empty() && !problem.body_force &&
                     problem.gravity.isZero();
   if (D > 1 && (file.exact || free))

@@ -31,6 +31,8 @@ void add_rows(const ProblemFile<D>& file, const std::vector<double>& times,
       try {
         run_until(simulation, at.time, {}, file.limits);
         found = errors(simulation, *file.exact);
+        simulation.map();
+        found.push_back(grid_velocity_error(simulation, *file.exact));
       } catch (const Failure& stop) {
         failure = stop.what();
       }

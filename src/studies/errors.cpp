@@ -1,6 +1,7 @@
 #include "recon/studies/errors.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "runs/angular.hpp"
 
@@ -33,7 +34,7 @@ template <int D>
 std::vector<FieldError> errors(const Simulation<D>& simulation, const Manufactured<D>& exact) {
   const Particles<D>& particles = simulation.particles();
   std::vector<FieldError> found;
-  for (const char* field : error_fields) found.push_back({field});
+  for (const char* field : particle_error_fields) found.push_back({field});
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const auto squared = squared_errors(simulation, exact, p);
     for (std::size_t f = 0; f < found.size(); ++f) {
@@ -49,10 +50,48 @@ std::vector<FieldError> errors(const Simulation<D>& simulation, const Manufactur
 }
 
 template <int D>
+FieldError grid_velocity_error(const Simulation<D>& simulation, const Manufactured<D>& exact) {
+  recon::detail::require(simulation.mapped(), "grid velocity", "of nodes of another time",
+                         "needs a map() before");
+  const Nodes<D>& nodes = simulation.nodes();
+  const double t = simulation.time(), before = t - simulation.velocity_lag();
+  const double density = simulation.problem().densities.front();
+  // Newton's method for X + u(X, t) = x.
+  const auto particle_at = [&](const Vector<D>& x) -> Vector<D> {
+    constexpr int most = 50;
+    const double small = 1e-10 * simulation.problem().grid.h();
+    Vector<D> X = x;
+    for (int i = 0; i < most; ++i) {
+      const auto now = exact.at(X, t);
+      const Vector<D> off = X + now.displacement - x;
+      X -= now.F.inverse() * off;
+      if (off.norm() <= small) return X;
+    }
+    return Vector<D>::Constant(std::numeric_limits<double>::quiet_NaN());
+  };
+  FieldError error{"grid_velocity"};
+  const double lightest = 1e-10 * nodes.heaviest();  // lighter ones feel no forces (step.hpp)
+  double count = 0;
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
+    const double mass = std::abs(nodes.mass[i]);
+    if (!(mass > lightest)) continue;
+    const Vector<D> X = particle_at(simulation.problem().grid.position(i));
+    const double squared = (nodes.velocity[i] - exact.at(X, before).velocity).squaredNorm();
+    error.l2 += squared * mass / density;
+    error.rms += squared;
+    ++count;
+  }
+  error.l2 = std::sqrt(error.l2);
+  error.rms = std::sqrt(error.rms / count);
+  return error;
+}
+
+template <int D>
 double error_of(const Simulation<D>& simulation, const Manufactured<D>& exact, std::size_t particle,
                 const std::string& field) {
-  for (std::size_t f = 0; f < std::size(error_fields); ++f)
-    if (field == error_fields[f]) return std::sqrt(squared_errors(simulation, exact, particle)[f]);
+  for (std::size_t f = 0; f < std::size(particle_error_fields); ++f)
+    if (field == particle_error_fields[f])
+      return std::sqrt(squared_errors(simulation, exact, particle)[f]);
   recon::detail::throw_invalid("field", field, "must be displacement, velocity, density or stress");
 }
 
@@ -72,6 +111,7 @@ std::array<double, 3> exact_angular_momentum(const Simulation<D>& simulation,
 
 #define RECON_INSTANTIATE(D)                                                             \
   template std::vector<FieldError> errors(const Simulation<D>&, const Manufactured<D>&); \
+  template FieldError grid_velocity_error(const Simulation<D>&, const Manufactured<D>&); \
   template std::array<double, 3> exact_angular_momentum(const Simulation<D>&,            \
                                                         const Manufactured<D>&);         \
   template double error_of(const Simulation<D>&, const Manufactured<D>&, std::size_t,    \

@@ -13,6 +13,12 @@
 #include "recon/recon.hpp"
 #include "recon/transfer/cartesian_grid.hpp"
 #include "recon/transfer/scatter.hpp"
+#ifdef SAMPLES_OF_PETSC
+#include <petscsys.h>
+
+#include "recon/petsc/particles.hpp"
+#include "recon/petsc/reconstruct_on_grid.hpp"
+#endif
 #ifdef SAMPLES_OF_MPM
 #include "recon/mpm/problem.hpp"
 #include "recon/runs/simulation.hpp"
@@ -38,6 +44,16 @@ extern const recon::StructuredGrid<double> grid;
 extern const recon::Options options;
 extern const recon::GridMoments others;
 extern const std::vector<double> nodal_density;
+#ifdef SAMPLES_OF_PETSC
+extern int argc;
+extern char** argv;
+extern const recon::StructuredGrid<double> all_nodes;
+extern const recon::petsc::DistributedGrid distributed;
+extern const recon::FieldView<double> target_force;
+extern const std::vector<double> masses;
+void read_my_part(int rank);
+void move_all(std::span<double> x, std::span<const double> velocity);
+#endif
 extern const double h, dt;
 extern const recon::SpaceMatrix<2> half_edges;  // columns
 

@@ -126,6 +126,39 @@ TYPED_TEST(Materials, EnergyIsTheWorkPerReferenceVolume) {
   }
 }
 
+// Stress of small_strain is the slope of its energy in the strain and linear in it; a turn strains
+// it, as linear theory has it, and any shift of F that is skew does not.
+TYPED_TEST(Materials, HookesLawIsLinearInTheGradient) {
+  constexpr int D = TypeParam::value;
+  const SmallStrain material{Lame::from(100, 0.3)};
+  std::mt19937 random(8);
+  const auto at = [&](const Matrix<D>& H) {
+    std::pair<Matrix<D>, double> found{Matrix<D>::Zero(), 0};
+    material.update(Matrix<D>(Matrix<D>::Identity() + H), Matrix<D>(Matrix<D>::Zero()), 1.0,
+                    found.first, found.second);
+    return found;
+  };
+  for (int round = 0; round < 20; ++round) {
+    const Matrix<D> H = random_deformation<D>(random, 0.4) - Matrix<D>::Identity();
+    const Matrix<D> G = random_deformation<D>(random, 0.4) - Matrix<D>::Identity();
+    const auto [stress, energy] = at(H);
+    EXPECT_LE((at(H + G).first - stress - at(G).first).norm(), 1e-12 * material.mu);
+    EXPECT_LE((at(H - H.transpose()).first).norm(), 1e-12 * material.mu);
+    EXPECT_NEAR(energy, stress.cwiseProduct(H).sum() / 2, 1e-12 * material.mu);
+    EXPECT_LE((stress - stress.transpose()).norm(), 1e-12 * material.mu);
+  }
+  if constexpr (D > 1) {
+    Matrix<D> turn = Matrix<D>::Identity();
+    turn(0, 0) = turn(1, 1) = std::cos(0.1);
+    turn(1, 0) = std::sin(0.1);
+    turn(0, 1) = -turn(1, 0);
+    const auto [stress, energy] = at(turn - Matrix<D>::Identity());
+    const double strain = std::cos(0.1) - 1;
+    EXPECT_NEAR(stress(0, 0), 2 * (material.lambda + material.mu) * strain, 1e-12);
+    EXPECT_GT(energy, 0);
+  }
+}
+
 // A body that does not strain along z: what is said of sigma_zz is what the same
 // material has in 3-D.
 TYPED_TEST(Materials, StressOutOfPlaneIsThatOfThreeDimensions) {
@@ -153,6 +186,7 @@ TYPED_TEST(Materials, StressOutOfPlaneIsThatOfThreeDimensions) {
         EXPECT_NEAR(material.out_of_plane(F, stress), solid(2, 2), 1e-10 * elastic.mu);
       };
       check(NeoHookean{elastic});
+      check(SmallStrain{elastic});
       check(LinearElastic{elastic});
     }
   }

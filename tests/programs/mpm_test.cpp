@@ -149,7 +149,7 @@ TEST_F(MpmProgram, ConvergeWritesATable) {
   EXPECT_THAT(text, AllOf(HasSubstr("displacement"), HasSubstr("time 0.0075")));
   EXPECT_EQ(first_line("c.csv"), "method,cells,h,time,field,norm,error,order,failure");
   const ParticleTable rows = table("c.csv");
-  EXPECT_EQ(rows.size(), 2u * 3 * 3 * 4 * 2);
+  EXPECT_EQ(rows.size(), 2u * 3 * 3 * 5 * 2);
   EXPECT_THAT(read("c.csv"), HasSubstr("cpls,32,0.03125,0.02"));
 }
 

@@ -214,8 +214,8 @@ TEST_F(MpmCheckpoint, DamageIsFound) {
   EXPECT_THAT(refusal_of("not HDF5"), HasSubstr("is no checkpoint"));
   EXPECT_THAT(refusal_of(whole_.substr(seal_size)), HasSubstr("earlier version"));
   std::string later = whole_;
-  EXPECT_THAT(refusal_of(later.replace(later.find("format 2"), 8, "format 7")),
-              HasSubstr("is a checkpoint of format 7, this version reads format 2"));
+  EXPECT_THAT(refusal_of(later.replace(later.find("format 3"), 8, "format 7")),
+              HasSubstr("is a checkpoint of format 7, this version reads format 3"));
   EXPECT_THAT(refusal_of(sealed(whole_.substr(0, seal_size) + "no HDF5")), HasSubstr("not HDF5"));
   std::filesystem::remove(path());
   EXPECT_THAT(refusal(base), HasSubstr("no such file"));

@@ -173,7 +173,8 @@ TEST_F(MpmFiles, MessagesNameNoEmptyPlace) {
   EXPECT_THAT(message(good, {"method.name=cpsl"}), HasSubstr("p.toml: method.name: unknown"));
 }
 
-// A choice beside the name is part of what the method is called; one that is in the name as well is refused.
+// A choice beside the name is part of what the method is called; one that is in the name as well is
+// refused.
 TEST_F(MpmFiles, AChoiceIsSaidOnce) {
   const std::string beside = with("\"cpls\"", "\"cpdi1\"\nblend = 0.25");
   const auto name_of = [&](const std::vector<std::string>& settings) {
@@ -438,7 +439,7 @@ TEST_F(MpmFiles, BoundaryVelocities) {
   EXPECT_EQ(boundary.velocity[0], 0.5);
   EXPECT_FALSE(boundary.velocity[1].has_value());
   EXPECT_THAT(message(with("kind = \"fixed\"", "kind = \"velocity\"\nvelocity = [0.5, \"fre\"]")),
-              HasSubstr("a number or \"free\""));
+              HasSubstr("a number, a formula or \"free\""));
 }
 
 // A pressure on a side acts on the area of that side.
@@ -556,7 +557,9 @@ TEST_F(MpmFiles, WithoutALedgerTheEndsAreAccountedFor) {
   const RunResult without = run(file, {.folder = folder_ / "without"});
   EXPECT_FALSE(std::filesystem::exists(folder_ / "without" / "ledger.csv"));
   EXPECT_EQ(ledger_row(with_ledger.first), ledger_row(without.first));
-  EXPECT_EQ(ledger_row(with_ledger.last), ledger_row(without.last));
+  Ledger expected = with_ledger.last;
+  expected.work = std::nan("");  // which nobody has summed up
+  EXPECT_EQ(ledger_row(expected), ledger_row(without.last));
   EXPECT_GT(without.steps, 2);
 }
 

@@ -8,10 +8,11 @@
 #   include/recon/*.hpp     belong to recon::recon: rooms from core to transfer
 #   src/programs/           public headers and files of the same folder
 # Boost and nanoflann, which recon::recon can be built without, are included in one file each.
+# petsc/ is an optional component: no other room includes it, nor PETSc or MPI.
 # The method, mpm/, knows neither files nor formulas nor what reads them.
 cmake_minimum_required(VERSION 3.22)
 
-set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer mpm fields io runs studies
+set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer petsc mpm fields io runs studies
   bindings c python)
 set(last_of_recon transfer)
 set(headers_about_boost include/recon/points/boost_geometry.hpp)
@@ -61,6 +62,10 @@ foreach(file IN LISTS files)
     if(public STREQUAL "include/recon" AND included MATCHES "^(boost/|nanoflann|omp\\.h|zlib\\.h|CLI/)" AND
        NOT (included MATCHES "^boost/" AND file IN_LIST headers_about_boost))
       complain("public headers do not pull this in")
+      continue()
+    endif()
+    if(NOT room MATCHES "^(petsc|programs)$" AND included MATCHES "^(mpi\\.h|petsc[a-z]*\\.h|recon/petsc/|petsc/)")
+      complain("only petsc/ includes this: recon can be built without it")
       continue()
     endif()
     if(room STREQUAL "mpm" AND included MATCHES "^(filesystem|fstream|iostream|boost/|hdf5|muParser|toml)")

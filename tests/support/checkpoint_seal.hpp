@@ -21,7 +21,7 @@ inline std::string sealed(std::string bytes) {
     hash ^= hash >> 32;
   }
   char text[seal_size] = {};
-  std::snprintf(text, sizeof text, "recon-mpm checkpoint, format 2\nbytes %zu\nchecksum %016llx\n",
+  std::snprintf(text, sizeof text, "recon-mpm checkpoint, format 3\nbytes %zu\nchecksum %016llx\n",
                 bytes.size() - seal_size, static_cast<unsigned long long>(hash));
   return bytes.replace(0, seal_size, text, seal_size);
 }

@@ -98,6 +98,26 @@ struct NeoHookean : Lame {
   }
 };
 
+// Hooke's law of small strain: with e = (F + F^T) / 2 - I
+//     sigma = lambda tr(e) I + 2 mu e ,   W = lambda tr(e)^2 / 2 + mu e : e .
+// For small displacements only, for which linear theory has its closed forms. It does not know
+// rotations: one by an angle a alone has the strain cos(a) - 1 and so a stress. The work of sigma
+// on a body that changes its volume differs from W by the strain times W.
+struct SmallStrain : Lame {
+  static constexpr std::string_view name = "small_strain";
+  template <int D>
+  void update(const Matrix<D>& F, const Matrix<D>&, double, Matrix<D>& stress,
+              double& energy) const {
+    const Matrix<D> e = (F + F.transpose()) / 2 - Matrix<D>::Identity();
+    stress = lambda * e.trace() * Matrix<D>::Identity() + 2 * mu * e;
+    energy = lambda * e.trace() * e.trace() / 2 + mu * e.squaredNorm();
+  }
+  template <int D>
+  double out_of_plane(const Matrix<D>& F, const Matrix<D>&) const {
+    return lambda * (F.trace() - D);
+  }
+};
+
 // Hypoelastic: the Jaumann rate of sigma is lambda tr(d) I + 2 mu d with d the symmetric part of L;
 // the energy is the work of the stress, J sigma : d per reference volume, by the trapezoidal rule.
 struct LinearElastic : Lame {
@@ -168,7 +188,7 @@ struct VonMises : Lame {
 };
 
 // The materials that there are; the first one is the default of problem files.
-using Material = std::variant<NeoHookean, LinearElastic, VonMises>;
+using Material = std::variant<NeoHookean, LinearElastic, VonMises, SmallStrain>;
 
 inline const Lame& lame(const Material& material) {
   return std::visit([](const auto& m) -> const Lame& { return m; }, material);

@@ -62,6 +62,7 @@ struct Nodes {
   std::vector<Vector<D>> mapped;            // v_i as it was mapped, before boundary conditions
   std::vector<Vector<D>> velocity;          // v_i
   std::vector<Vector<D>> acceleration;      // f_i / m_i, zero where the velocity is held
+  std::vector<Vector<D>> damping;           // the part of damping in it; empty without damping
   // Only for point particles in linear functions with lumped mass, else empty: the part of internal
   // forces in `force` and of loads on surfaces that G brings, and
   // K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.

@@ -144,6 +144,22 @@ Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t)
   return load.force(place_of(load, particles), t);
 }
 
+// Damping at the nodes, for bodies that are to come to rest. It takes from each component of the
+// acceleration of a node
+//     local |a_i| sign(v_i) + mass v_i ,   v_i as it was mapped.
+// `local`, without a unit, is a force against the motion that is a part of the force out of
+// balance: -local |f_i| sign(v_i) with a lumped mass (Cundall 1987, in: Analytical and
+// Computational Methods in Engineering Rock Mechanics). It vanishes in balance, and damps all
+// frequencies alike. `mass`, 1 / time, is the rate at which momentum decays, the rotation of whole
+// bodies too.
+struct Damping {
+  double local = 0, mass = 0;
+
+  bool any() const { return local != 0 || mass != 0; }
+  // Throws InvalidArgument unless 0 <= local < 1 and mass is finite and not negative.
+  void validate() const;
+};
+
 // How the step is chosen; see choose_step().
 enum class StepRule { adaptive, p_wave, bar_wave, fixed };
 
@@ -152,8 +168,10 @@ struct TimeOptions {
   StepRule rule = StepRule::adaptive;
   std::optional<double> courant;  // none: that of the method, Method::default_courant()
   double step = 0;                // of the rule `fixed`
+  // Where it is set, a run ends as soon as it is at rest to this tolerance (runs/external.hpp).
+  std::optional<double> rest;
 
-  // Throws InvalidArgument unless all are positive, and courant and step finite.
+  // Throws InvalidArgument unless all are positive, courant and step finite, and rest below 1.
   void validate() const;
 };
 
@@ -175,6 +193,7 @@ struct Problem {
   std::function<void(const Particles<D>&, double t, int threads, std::vector<Vector<D>>& out)>
       body_force;
   std::vector<Load<D>> loads;
+  Damping damping;
   Method method;
   TimeOptions time;
   int threads = 0;  // 0: all

@@ -69,6 +69,10 @@ class Step {
   const Nodes<D>& nodes() const { return nodes_; }
   const Cells<D>& cells() const { return cells_; }
   const MassSigns& signs() const { return signs_; }
+  // The body force per mass of the particles for which nodes() were computed; empty: none.
+  const std::vector<Vector<D>>& body_force() const { return body_force_; }
+  // The forces on the nodes from the loads of the problem on a state; empty: there are no loads.
+  std::vector<Vector<D>> load_forces(const State<D>& s) const;
   // Forgets nodes, cells and signs of masses.
   void forget();
 

@@ -5,13 +5,13 @@
 // rest. The rest is HDF5 (whose libraries skip the text): one data set per quantity (X, x, v, F, L,
 // stress, half_edges, mass, volume0, energy, body; corners, modes, history where there are any; a
 // row per entry, matrices by columns), frame_times, the attributes time, steps, last_dt, start_*,
-// and `problem`: a text of lines "key = value" with all that identifies the problem. The file is
-// written completely or not at all.
+// work, and `problem`: a text of lines "key = value" with all that identifies the problem. The file
+// is written completely or not at all.
 //
 // A checkpoint belongs to one problem: dimension, grid, every choice of the method, materials,
 // densities and particles of the bodies, boundaries, loads, and the texts of formulas must be those
-// that it was written with, numbers to twelve figures. Functions without a text cannot be compared. What may differ: title, threads,
-// the end of the time, the rule of the step, and what is written.
+// that it was written with, numbers to twelve figures. Functions without a text cannot be compared.
+// What may differ: title, threads, the end of the time, the rule of the step, and what is written.
 #pragma once
 
 #include <filesystem>
@@ -26,6 +26,7 @@ namespace recon::mpm {
 struct RunState {
   Ledger start;                     // the account at the start: energy errors are relative to it
   std::vector<double> frame_times;  // the times of the frames written so far
+  double work = 0;  // of external forces so far (ledger.hpp); NaN where it was not summed up
 };
 
 // Writes a checkpoint; the memory needed for it does not depend on the number of particles. Throws

@@ -14,8 +14,16 @@
 //                    (eq. 27), which misses 13 % at an amplitude of 0.1
 //     interpolation_error = node_kinetic - kinetic   and
 //     algorithmic_error   = -(node_kinetic + strain), both less their value at the start
-// of the account, so that the change of kinetic + strain is minus their sum. Work of external
-// forces is in the algorithmic error.
+// of the account, so that the change of kinetic + strain is minus their sum. The algorithmic error
+// is as published: the work of external forces is in it. What closes with it is
+//     balance = kinetic + strain - work ,
+// which should stay as it was at the start, with
+//     power  sum_p m_p (g + b_p) . sum_i S_ip v_i  of gravity and body force b per mass, plus the
+//            power of loads, of damping, and of reactions where a held velocity is not 0
+//            (external.hpp)
+//     work   its integral over time since the start, by the trapezoidal rule over the steps.
+// What the balance loses is what the method dissipates: the part of velocities that the way to the
+// nodes and back does not keep, and what boundaries take from mapped velocities.
 #pragma once
 
 #include <array>
@@ -34,8 +42,10 @@ struct Ledger {
   double linear_strain = 0;
   double interpolation_error = 0, algorithmic_error = 0;
   std::size_t negative_nodes = 0;  // nodes of negative mass
+  double power = 0, work = 0;
 
   double total() const { return kinetic + strain; }
+  double balance() const { return total() - work; }
 };
 
 // The distance between two vectors.
@@ -44,9 +54,12 @@ inline double distance(const std::array<double, 3>& a, const std::array<double, 
 }
 
 // The account of the state that map() computed last. Errors of energy are relative to the account
-// `start`; without one they are zero.
+// `start`; without one they and the work are zero. The work is that of the account `before`, one
+// step earlier, and that of this step; it is unknown (NaN) with a start and without the account
+// before.
 template <int D>
-Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start = {});
+Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start = {},
+               const std::optional<Ledger>& before = {});
 
 // The line of column names and a line of numbers, as ledger.csv has them.
 std::string ledger_header();

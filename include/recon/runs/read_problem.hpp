@@ -28,6 +28,7 @@
 #include "recon/runs/forecast.hpp"
 #include "recon/runs/frames.hpp"
 #include "recon/runs/manufactured.hpp"
+#include "recon/runs/probes.hpp"
 
 namespace recon::mpm {
 
@@ -36,6 +37,10 @@ struct OutputOptions {
   int frames = 50;  // pictures of the state, evenly in time; 0: none
   bool ledger = true;
   std::vector<std::string> fields = default_particle_fields();  // of the frames, frames.hpp
+  // The rows of probes.csv: those of every so many steps, or, where it is above 0, the first one of
+  // each such interval of time; and the last one.
+  int probe_every = 1;
+  double probe_interval = 0;
 };
 
 // The texts of the formulas that the functions and initial values of a problem were made from, by
@@ -50,6 +55,7 @@ struct ProblemFile {
   Formulas formulas;
   Limits limits;
   OutputOptions output;
+  std::vector<Probe<D>> probes;
 };
 
 using AnyProblem = std::variant<ProblemFile<1>, ProblemFile<2>, ProblemFile<3>>;

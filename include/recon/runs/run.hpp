@@ -2,6 +2,7 @@
 //
 // The folder of a run has
 //   ledger.csv        an account of every step (ledger.hpp)
+//   probes.csv        what the probes of the problem measure (probes.hpp), where it has any
 //   NAME_*.vtp, ...   frames (frames.hpp)
 //   checkpoint.h5     the state at the last frame (checkpoint.hpp), from which a run goes on
 //
@@ -13,6 +14,7 @@
 #include <optional>
 
 #include "recon/runs/checkpoint.hpp"
+#include "recon/runs/external.hpp"
 #include "recon/runs/forecast.hpp"
 #include "recon/runs/read_problem.hpp"
 
@@ -58,14 +60,18 @@ struct RunResult {
   std::optional<NegativeMass> negative_mass, sign_change;  // see Simulation
   std::size_t frames = 0;
   bool stopped = false;  // as RunOptions::stop asked, before the end
+  // Of the last state, where the problem asks for rest (TimeOptions::rest); a run that comes to its
+  // end without it is not at rest.
+  std::optional<RestMeasure> rest;
 };
 
-// Runs the problem to its end. A restart from a checkpoint in the folder continues the run there:
-// its ledger is kept up to the checkpoint, and its frames stay in the lists. Files of any other run
-// are overwritten only if RunOptions::overwrite says so; otherwise OtherRun is thrown. Throws
-// NoRestart for a checkpoint that read_checkpoint() refuses or that is later than the end,
-// FileError for files that cannot be written, InvalidArgument for a problem without an end or one
-// that takes more than there is (forecast.hpp), Failure where the run cannot go on.
+// Runs the problem to its end, or until it is at rest where TimeOptions::rest asks for that. A
+// restart from a checkpoint in the folder continues the run there: its ledger is kept up to the
+// checkpoint, and its frames stay in the lists. Files of any other run are overwritten only if
+// RunOptions::overwrite says so; otherwise OtherRun is thrown. Throws NoRestart for a checkpoint
+// that read_checkpoint() refuses or that is later than the end, FileError for files that cannot be
+// written, InvalidArgument for a problem without an end or one that takes more than there is
+// (forecast.hpp), Failure where the run cannot go on.
 template <int D>
 RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
 

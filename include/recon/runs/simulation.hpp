@@ -39,6 +39,9 @@ class Simulation {
   const std::optional<NegativeMass>& negative_mass() const { return step_.signs().negative; }
   const std::optional<NegativeMass>& sign_change() const { return step_.signs().change; }
 
+  // What makes the steps, with its parts.
+  const Step<D>& stepper() const { return step_; }
+
   // The step that the rule of the problem gives (problem.hpp).
   TimeStep choose_step() const { return mpm::choose_step(problem(), particles()); }
 

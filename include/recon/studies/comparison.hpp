@@ -36,8 +36,8 @@ struct ComparisonRow {
   // The angular momentum at the end less its exact value, over its largest size. Without an exact
   // solution it is known only where nothing acts on the bodies.
   double angular_error = none;
-  // The change from start to end of kinetic and strain energy less the work of all loads, over the
-  // largest energy at any time.
+  // The change from start to end of the balance of energy (ledger.hpp: kinetic and strain energy
+  // less the work of external forces), over the largest energy at any time.
   double energy_error = none;
   double nanoseconds = none;  // per particle and step, of the fastest tenth of the steps
   double stable =

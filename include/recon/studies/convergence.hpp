@@ -25,7 +25,7 @@ struct ConvergenceRow {
   std::string method;
   int cells = 0;
   double h = 0, time = 0;
-  std::string field, norm;  // displacement, velocity, density, stress; l2 or rms
+  std::string field, norm;  // one of error_fields; l2 or rms
   double error = 0, order = 0;
   std::string failure;
 };

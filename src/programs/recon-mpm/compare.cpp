@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Row = mpm::ComparisonRow;
 
-struct Options {
+struct CompareCommand {
   ProblemOptions problem;
   std::string methods, cells, out, picture, against;
   bool no_stability = false, quiet = false;
@@ -139,7 +139,7 @@ const Column& column_named(const std::string& name, const std::vector<Row>& rows
   });
 }
 
-void run(const Options& options) {
+void run(const CompareCommand& options) {
   mpm::ComparisonStudy study;
   study.stable_steps = !options.no_stability;
   study.methods = method_names(options.methods);
@@ -182,7 +182,7 @@ void run(const Options& options) {
 
 Command add_compare(CLI::App& app) {
   auto* command = app.add_subcommand("compare", "every method on one problem, side by side");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareCommand>();
   options->problem.add_to(*command, false);
   command->add_option("--methods", options->methods, "names, with commas (default: all)")
       ->type_name("NAMES");

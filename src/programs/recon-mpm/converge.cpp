@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ConvergeCommand {
   ProblemOptions problem;
   std::string methods = "mpm,cpdi1,impm,cpls", cells = "8,16,32,64", times = "T", norm = "l2", out,
               picture;
@@ -44,7 +44,7 @@ double part_of_end(const std::string& text) {
              ": needs parts of the problem's end T, as in T/4,3T/8,T; none beyond T");
 }
 
-mpm::ConvergenceStudy study_of(const Options& options) {
+mpm::ConvergenceStudy study_of(const ConvergeCommand& options) {
   mpm::ConvergenceStudy study;
   study.methods = method_names(options.methods);
   for (const std::string& word : split(options.cells)) {
@@ -136,7 +136,7 @@ void draw_errors(const fs::path& path, const std::vector<mpm::ConvergenceRow>& r
   draw(path, plot);
 }
 
-void run(const Options& options) {
+void run(const ConvergeCommand& options) {
   const mpm::ConvergenceStudy study = study_of(options);
   if (!options.out.empty()) with_exit_code(no_output, [&] { const AtomicFile probe(options.out); });
   if (!options.picture.empty())
@@ -175,7 +175,7 @@ void run(const Options& options) {
 Command add_converge(CLI::App& app) {
   auto* command =
       app.add_subcommand("converge", "errors and orders of convergence against the exact solution");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvergeCommand>();
   options->problem.add_to(*command, false);
   command->add_option("--methods", options->methods, "names, with commas")
       ->type_name("NAMES")

@@ -286,12 +286,11 @@ Measured ring_fields(const Request& request) {
   return measured;
 }
 
-constexpr NamedMeasure all[] = {
-    {"account", account}, {"impact", impact}, {"ring fields", ring_fields}};
-
 }  // namespace
 
 std::span<const NamedMeasure> account_measures() {
+  static constexpr NamedMeasure all[] = {
+      {"account", account}, {"impact", impact}, {"ring fields", ring_fields}};
   return all;
 }
 

@@ -497,15 +497,14 @@ Measured negative_mass(const Request& request) {
   return measured;
 }
 
-constexpr NamedMeasure all[] = {{"bar", bar},
-                                {"cantilever", cantilever},
-                                {"cantilever load", cantilever_load},
-                                {"box", box},
-                                {"negative mass", negative_mass}};
-
 }  // namespace
 
 std::span<const NamedMeasure> bending_measures() {
+  static constexpr NamedMeasure all[] = {{"bar", bar},
+                                         {"cantilever", cantilever},
+                                         {"cantilever load", cantilever_load},
+                                         {"box", box},
+                                         {"negative mass", negative_mass}};
   return all;
 }
 

@@ -104,12 +104,11 @@ Measured time_step(const Request& request) {
   return measured;
 }
 
-constexpr NamedMeasure all[] = {
-    {"convergence", convergence}, {"breaks", breaks}, {"time step", time_step}};
-
 }  // namespace
 
 std::span<const NamedMeasure> convergence_measures() {
+  static constexpr NamedMeasure all[] = {
+      {"convergence", convergence}, {"breaks", breaks}, {"time step", time_step}};
   return all;
 }
 

@@ -231,15 +231,14 @@ Measured solver_cost(const Request& request) {
   return measured;
 }
 
-constexpr NamedMeasure all[] = {{"shepard", shepard},
-                                {"reconstruction", reconstruction},
-                                {"linear functions", linear_functions},
-                                {"polynomials", polynomials},
-                                {"solver cost", solver_cost}};
-
 }  // namespace
 
 std::span<const NamedMeasure> fit_measures() {
+  static constexpr NamedMeasure all[] = {{"shepard", shepard},
+                                         {"reconstruction", reconstruction},
+                                         {"linear functions", linear_functions},
+                                         {"polynomials", polynomials},
+                                         {"solver cost", solver_cost}};
   return all;
 }
 

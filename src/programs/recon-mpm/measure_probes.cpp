@@ -10,8 +10,6 @@
 namespace recon::program {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 // A quantity over time.
 struct Trace {
   std::vector<double> time, value;
@@ -76,7 +74,7 @@ class Gauge {
   // NaN where the run has not come to the end of the probe's time.
   double result(bool finished) const {
     const double last = trace_.time.back(), until = std::min(probe_->until, last);
-    if (!finished && probe_->until > last) return nan;
+    if (!finished && probe_->until > last) return std::numeric_limits<double>::quiet_NaN();
     if (probe_->take == "end") return trace_.at(until);
     Trace part;
     for (std::size_t k = 0; k < trace_.time.size(); ++k)
@@ -84,7 +82,7 @@ class Gauge {
         part.time.push_back(trace_.time[k]);
         part.value.push_back(trace_.value[k]);
       }
-    if (part.time.size() < 2) return nan;
+    if (part.time.size() < 2) return std::numeric_limits<double>::quiet_NaN();
     const auto least = std::min_element(part.value.begin(), part.value.end());
     const auto greatest = std::max_element(part.value.begin(), part.value.end());
     const auto time = [&](auto at) {
@@ -98,7 +96,7 @@ class Gauge {
     if (probe_->take == "time above") {
       for (std::size_t k = 0; k < part.time.size(); ++k)
         if (part.value[k] > probe_->level) return part.time[k];
-      return nan;
+      return std::numeric_limits<double>::quiet_NaN();
     }
     if (probe_->take == "period") return period(part);
     double sum = 0;  // "mean"
@@ -142,7 +140,7 @@ class Gauge {
       if ((a < 0) != (b < 0))
         zeros.push_back(part.time[k - 1] + (part.time[k] - part.time[k - 1]) * a / (a - b));
     }
-    if (zeros.size() < 2) return nan;
+    if (zeros.size() < 2) return std::numeric_limits<double>::quiet_NaN();
     return 2 * (zeros.back() - zeros.front()) / static_cast<double>(zeros.size() - 1);
   }
 
@@ -181,11 +179,10 @@ Measured probes(const Request& request) {
   return measured;
 }
 
-constexpr NamedMeasure all[] = {{"probes", probes}};
-
 }  // namespace
 
 std::span<const NamedMeasure> probe_measures() {
+  static constexpr NamedMeasure all[] = {{"probes", probes}};
   return all;
 }
 

@@ -186,15 +186,14 @@ Measured step_cost(const Request& request) {
   return measured;
 }
 
-constexpr NamedMeasure all[] = {{"stability", stability},
-                                {"dispersion", dispersion},
-                                {"motion", motion},
-                                {"largest steps", steps},
-                                {"step cost", step_cost}};
-
 }  // namespace
 
 std::span<const NamedMeasure> stability_measures() {
+  static constexpr NamedMeasure all[] = {{"stability", stability},
+                                         {"dispersion", dispersion},
+                                         {"motion", motion},
+                                         {"largest steps", steps},
+                                         {"step cost", step_cost}};
   return all;
 }
 

@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RunCommand {
   ProblemOptions problem;
   std::string out, restart, picture;
   bool overwrite = false, quiet = false, json = false;
@@ -67,8 +68,22 @@ void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result
                                " at most, of momentum between particles and nodes");
   print_line("energy", number(first.total()) + " -> " + number(last.total()) + " (kinetic " +
                            number(last.kinetic) + ", strain " + number(last.strain) + ")");
+  // The balance, where something does work.
+  if (last.work != 0 && std::isfinite(last.work))
+    print_line("work", number(last.work) + " of external forces; the balance of energy is " +
+                           number(last.balance() - first.balance(), 3) + " off");
   print_line("energy error", "interpolation " + number(last.interpolation_error, 3) +
                                  ", algorithmic " + number(last.algorithmic_error, 3));
+  if (result.rest) {
+    const std::string ratios = "force out of balance " + number(result.rest->unbalanced, 3) +
+                               ", kinetic over strain energy " + number(result.rest->kinetic, 3);
+    if (result.rest->reached)
+      print_line("rest", "reached: " + ratios);
+    else
+      print_line("rest",
+                 std::string(result.stopped ? "not yet" : "NOT REACHED by the end of [time]") +
+                     ": " + ratios + "; tolerance " + number(*problem.time.rest));
+  }
   if (result.unfitted > 0)
     print_line("unfitted", "up to " + counted(result.unfitted, "node") +
                                " of a step had no data for a fit: mass-weighted instead");
@@ -83,8 +98,8 @@ void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result
   print_mass("sign of mass", result.sign_change);
   if (result.sign_change)
     print_line("", "changed there: the mass passed through zero, so the results cannot be trusted");
-  print_line("files",
-             folder + ": " + counted(result.frames, "frame") + ", ledger.csv, checkpoint.h5");
+  print_line("files", folder + ": " + counted(result.frames, "frame") + ", ledger.csv" +
+                          (file.probes.empty() ? "" : ", probes.csv") + ", checkpoint.h5");
 }
 
 Json vector_array(const std::array<double, 3>& v, int dimension) {
@@ -99,7 +114,8 @@ Json ledger_object(const mpm::Ledger& ledger, int dimension) {
   object.set("kinetic", ledger.kinetic).set("strain", ledger.strain);
   object.set("energy", ledger.total());
   object.set("interpolation_error", ledger.interpolation_error);
-  return object.set("algorithmic_error", ledger.algorithmic_error);
+  object.set("algorithmic_error", ledger.algorithmic_error);
+  return object.set("work", ledger.work).set("balance", ledger.balance());
 }
 
 template <int D>
@@ -126,6 +142,13 @@ Json summary_object(const mpm::ProblemFile<D>& file, const mpm::RunResult& resul
   };
   object.set("negative_mass", mass(result.negative_mass));
   object.set("sign_change", mass(result.sign_change));
+  Json rest;
+  if (result.rest) {
+    rest = Json::object().set("reached", result.rest->reached);
+    rest.set("unbalanced", result.rest->unbalanced).set("kinetic", result.rest->kinetic);
+    rest.set("tolerance", *problem.time.rest);
+  }
+  object.set("rest", rest);
   object.set("folder", folder).set("frames", result.frames);
   return object.set("stopped", result.stopped);
 }
@@ -185,7 +208,7 @@ std::string shell_word(const std::string& text) {
 }
 
 // What to add to the command to go on from a checkpoint.
-std::string go_on(const Options& options, const fs::path& checkpoint) {
+std::string go_on(const RunCommand& options, const fs::path& checkpoint) {
   return "the same command with --restart " + shell_word(checkpoint.string()) +
          (options.restart.empty() ? "" : " in the place of the one it has");
 }
@@ -198,7 +221,7 @@ struct Saved {
 };
 
 // What may help after a failure, as far as it can be done.
-std::string advice(const Options& options, const mpm::TimeOptions& time, double courant,
+std::string advice(const RunCommand& options, const mpm::TimeOptions& time, double courant,
                    const fs::path& checkpoint, const Saved& saved) {
   std::string text;
   if (saved.any) {
@@ -217,7 +240,7 @@ std::string advice(const Options& options, const mpm::TimeOptions& time, double 
 }
 
 template <int D>
-void run(const Options& options, const mpm::ProblemFile<D>& file) {
+void run(const RunCommand& options, const mpm::ProblemFile<D>& file) {
   const fs::path problem_path = options.problem.file;
   const std::string name = problem_path.stem().string();
   mpm::RunOptions run_options;
@@ -300,7 +323,7 @@ void run(const Options& options, const mpm::ProblemFile<D>& file) {
 
 Command add_run(CLI::App& app) {
   auto* command = app.add_subcommand("run", "one run: frames for ParaView, a ledger, checkpoints");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunCommand>();
   options->problem.add_to(*command, true);
   command->add_option("--out", options->out, "folder for the results (default: PROBLEM_METHOD)")
       ->type_name("FOLDER");
@@ -310,7 +333,7 @@ Command add_run(CLI::App& app) {
       ->type_name("FILE");
   command->add_flag("--overwrite", options->overwrite, "replace the results of another run");
   command->add_flag("--quiet", options->quiet, "no progress");
-  add_json_option(*command, options->json, "Options");
+  add_json_option(*command, options->json, "RunCommand");
   return [options] {
     const mpm::AnyProblem problem = options->problem.read();
     std::visit([&](const auto& file) { run(*options, file); }, problem);

@@ -17,12 +17,12 @@
 namespace recon::program {
 namespace {
 
-struct Options {
+struct StabilityCommand {
   std::string methods = "mpm,cpdi2,improved_cpdi,impm", particles = "1,2,4,8", picture;
   int dimension = 1;
 };
 
-void run(const Options& options) {
+void run(const StabilityCommand& options) {
   if (!options.picture.empty())
     with_exit_code(wrong_usage, [&] { require_picture_extension(options.picture); });
   std::vector<mpm::Method> methods;
@@ -116,7 +116,7 @@ void run(const Options& options) {
 Command add_stability(CLI::App& app) {
   auto* command =
       app.add_subcommand("stability", "the largest stable step of each method, and its dispersion");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StabilityCommand>();
   command->add_option("--methods", options->methods, "names, with commas")
       ->type_name("NAMES")
       ->capture_default_str();

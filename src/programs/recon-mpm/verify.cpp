@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct VerifyCommand {
   bool full = false, quiet = false, list = false, again = false;
   std::string out, only, results;
   int threads = 1;
@@ -32,7 +32,7 @@ constexpr const char* folder_name = "verification";
 
 class Verification {
  public:
-  explicit Verification(const Options& options)
+  explicit Verification(const VerifyCommand& options)
       : options_(options),
         list_(read_claims(claim_texts())),
         report_{list_, {}, {}, options.full, ""} {
@@ -229,14 +229,14 @@ class Verification {
     }
   }
 
-  const Options& options_;
+  const VerifyCommand& options_;
   const ClaimList list_;
   std::string results_;
   std::vector<std::unique_ptr<ResultFile>> files_;
   Report report_;
 };
 
-void run(const Options& options) {
+void run(const VerifyCommand& options) {
   Verification verification(options);
   if (options.list) {
     std::fputs(listing(verification.list(), options.only).c_str(), stdout);
@@ -252,7 +252,7 @@ void run(const Options& options) {
 
 Command add_verify(CLI::App& app) {
   auto* command = app.add_subcommand("verify", "the claims of the publications, measured");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VerifyCommand>();
   command->add_flag("--list", options->list,
                     "every figure, table and section of the publications, with its claims");
   command->add_flag("--full", options->full, "the grids of the publications and finer ones; hours");

@@ -1,0 +1,148 @@
+#include "recon/runs/external.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "mpm/policies.hpp"
+
+namespace recon::mpm {
+namespace {
+
+// M x for a vector at each node.
+template <int D>
+std::vector<Vector<D>> times_mass(const Nodes<D>& nodes, const std::vector<Vector<D>>& x) {
+  std::vector<Vector<D>> out(x.size(), Vector<D>::Zero());
+  if (nodes.mass_matrix.size() == 0) {
+    for (std::size_t i = 0; i < x.size(); ++i) out[i] = nodes.mass[i] * x[i];
+    return out;
+  }
+  for (Eigen::Index column = 0; column < nodes.mass_matrix.outerSize(); ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator at(nodes.mass_matrix, column); at; ++at)
+      out[static_cast<std::size_t>(at.row())] += at.value() * x[static_cast<std::size_t>(column)];
+  return out;
+}
+
+// Gravity, body force and loads at a time, sums of absolute values.
+template <int D>
+double applied(const Problem<D>& problem, const Particles<D>& particles,
+               const std::vector<Vector<D>>& body_force, const std::vector<Vector<D>>& loads) {
+  double sum = 0;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    Vector<D> b = problem.gravity;
+    if (!body_force.empty()) b += body_force[p];
+    sum += particles.mass[p] * b.template lpNorm<1>();
+  }
+  for (const Vector<D>& load : loads) sum += load.template lpNorm<1>();
+  return sum;
+}
+
+// How much body force and loads differ between the state's time and `end`, in the same sum.
+template <int D>
+double still_to_come(const Simulation<D>& simulation, const std::vector<Vector<D>>& loads,
+                     double end) {
+  const Problem<D>& problem = simulation.problem();
+  const Particles<D>& particles = simulation.particles();
+  if (!std::isfinite(end) || (!problem.body_force && problem.loads.empty())) return 0;
+  std::vector<Vector<D>> more;
+  if (problem.body_force) {
+    more.assign(particles.size(), Vector<D>::Zero());
+    problem.body_force(particles, end, problem.threads, more);
+    const std::vector<Vector<D>>& now = simulation.stepper().body_force();
+    for (std::size_t p = 0; p < more.size(); ++p) more[p] -= now[p];
+  }
+  std::vector<Vector<D>> loaded;
+  if (!loads.empty()) {
+    State<D> at_end = simulation.state();
+    at_end.time = end;
+    loaded = simulation.stepper().load_forces(at_end);
+    for (std::size_t i = 0; i < loaded.size(); ++i) loaded[i] -= loads[i];
+  }
+  double sum = 0;
+  for (std::size_t p = 0; p < more.size(); ++p)
+    sum += particles.mass[p] * more[p].template lpNorm<1>();
+  for (const Vector<D>& each : loaded) sum += each.template lpNorm<1>();
+  return sum;
+}
+
+}  // namespace
+
+template <int D>
+ExternalForces<D> external_forces(const Simulation<D>& simulation) {
+  recon::detail::require(simulation.mapped(), "external forces", "of nodes of another time",
+                         "need a map() before");
+  const Problem<D>& problem = simulation.problem();
+  const Nodes<D>& nodes = simulation.nodes();
+  const Step<D>& step = simulation.stepper();
+  const double half = simulation.velocity_lag();
+  const std::size_t count = nodes.mass.size();
+  ExternalForces<D> out;
+  out.loads = step.load_forces(simulation.state());
+  const auto now = [&](std::size_t i) -> Vector<D> {
+    return nodes.velocity[i] + half * nodes.acceleration[i];
+  };
+  for (std::size_t i = 0; i < out.loads.size(); ++i) out.power += out.loads[i].dot(now(i));
+
+  std::vector<Vector<D>> undamped = nodes.acceleration;
+  if (!nodes.damping.empty()) {
+    const std::vector<Vector<D>> slowing = times_mass(nodes, nodes.damping);
+    for (std::size_t i = 0; i < count; ++i) {
+      out.power += slowing[i].dot(now(i));
+      undamped[i] -= nodes.damping[i];
+    }
+  }
+  const std::vector<Vector<D>> gained = times_mass(nodes, undamped);
+  const auto force = [&](std::size_t i) -> Vector<D> {
+    return nodes.force[i] + nodes.mass[i] * problem.gravity;
+  };
+  std::vector<std::array<bool, D>> is_held(count, std::array<bool, D>{});
+  for (const auto& held : step.policies().boundaries.held()) {
+    bool& seen = is_held[held.node][static_cast<std::size_t>(held.axis)];
+    const double R = gained[held.node][held.axis] - force(held.node)[held.axis];
+    out.reactions.push_back({held.boundary, held.node, held.axis, R, !seen});
+    if (!seen) {
+      out.held += std::abs(R);
+      out.power += R * now(held.node)[held.axis];
+    }
+    seen = true;
+  }
+  const double lightest = lightest_node * nodes.heaviest();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(std::abs(nodes.mass[i]) > lightest)) continue;
+    const Vector<D> f = force(i);
+    for (int d = 0; d < D; ++d)
+      if (!is_held[i][static_cast<std::size_t>(d)]) out.unbalanced += std::abs(f[d]);
+  }
+  out.applied = applied(problem, simulation.particles(), step.body_force(), out.loads);
+  return out;
+}
+
+template <int D>
+RestMeasure rest_of(const Simulation<D>& simulation, const ExternalForces<D>& forces,
+                    double node_kinetic, double strain, double tolerance) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const double acting = std::max(forces.held, forces.applied);
+  RestMeasure found{acting > 0 ? forces.unbalanced / acting : infinite,
+                    strain > 0 ? node_kinetic / strain : infinite, false};
+  if (!(found.unbalanced < tolerance && found.kinetic < tolerance)) return found;
+  const double end = simulation.problem().time.end;
+  const auto at_rest = [&](const auto& held) {
+    if (simulation.nodes().velocity[held.node][held.axis] != 0) return false;
+    return !held.velocity->varies() || !std::isfinite(end) ||
+           (*held.velocity)(simulation.problem().grid.position(held.node), end) == 0;
+  };
+  for (const auto& held : simulation.stepper().policies().boundaries.held())
+    if (!at_rest(held)) return found;
+  found.reached = still_to_come(simulation, forces.loads, end) <= tolerance * acting;
+  return found;
+}
+
+#define RECON_INSTANTIATE(D)                                                                   \
+  template ExternalForces<D> external_forces(const Simulation<D>&);                            \
+  template RestMeasure rest_of(const Simulation<D>&, const ExternalForces<D>&, double, double, \
+                               double);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
+
+}  // namespace recon::mpm

@@ -1,0 +1,223 @@
+#include "recon/runs/probes.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "core/brief.hpp"
+#include "recon/core/names.hpp"
+#include "recon/operators/reconstruct.hpp"
+#include "recon/runs/external.hpp"
+#include "recon/runs/frames.hpp"
+#include "runs/angular.hpp"
+#include "runs/particle_values.hpp"
+
+namespace recon::mpm {
+namespace {
+
+using recon::detail::require;
+using Words = std::vector<std::string>;
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+template <int D>
+std::string text_of(const Vector<D>& x) {
+  std::string text = "(";
+  for (int d = 0; d < D; ++d) text += (d ? ", " : "") + recon::detail::brief(x[d], 9);
+  return text + ")";
+}
+
+// The columns of a field.
+void add_columns(const std::string& name, int components, Words& columns) {
+  if (components == 1) return columns.push_back(name);
+  for (int c = 0; c < components; ++c) {
+    const int axes = components == 9 ? 3 : components;
+    std::string column = name + "_";
+    if (components == 9) column += "xyz"[c / axes];
+    columns.push_back(column + "xyz"[c % axes]);
+  }
+}
+
+template <int D>
+Words columns_of(const Problem<D>& problem, const Words& fields) {
+  const auto known = particle_fields_of(problem, problem.particles);
+  Words columns;
+  for (const std::string& name : fields) {
+    const auto field = known.find(name);
+    if (field == known.end())
+      throw InvalidArgument("fields", name, suggest(name, particle_fields()));
+    add_columns(name, field->second.components, columns);
+  }
+  require(!columns.empty(), "fields", 0, "must be at least one");
+  return columns;
+}
+
+// The fields of one particle after the other.
+template <int D>
+std::vector<double> values_of(const Simulation<D>& simulation, const Words& fields,
+                              const std::vector<std::size_t>& particles, std::size_t columns) {
+  const auto known = particle_fields_of(simulation.problem(), simulation.particles());
+  std::vector<double> values(particles.size() * columns);
+  double* to = values.data();
+  for (const std::size_t p : particles)
+    for (const std::string& name : fields) {
+      const ParticleField& field = known.at(name);
+      field.put(p, to);
+      to += field.components;
+    }
+  return values;
+}
+
+}  // namespace
+
+template <int D>
+Probe<D> particle_probe(const Problem<D>& problem, const Vector<D>& at, const Words& fields) {
+  Probe<D> probe{"particle", columns_of(problem, fields), {}};
+  const Particles<D>& particles = problem.particles;
+  std::size_t nearest = 0;
+  for (std::size_t p = 1; p < particles.size(); ++p)
+    if ((particles.X[p] - at).squaredNorm() < (particles.X[nearest] - at).squaredNorm())
+      nearest = p;
+  const double away = (particles.X[nearest] - at).norm();
+  const double reach = particles.half_edges[nearest].colwise().norm().sum();
+  if (!(away <= reach * (1 + 1e-9)))
+    recon::detail::throw_invalid("at", text_of<D>(at),
+                                 "lies in no body: the nearest particle is " +
+                                     recon::detail::brief(away, 6) + " away, at " +
+                                     text_of<D>(particles.X[nearest]));
+  probe.measure = [fields, nearest, count = probe.columns.size()](const Simulation<D>& simulation) {
+    return values_of(simulation, fields, {nearest}, count);
+  };
+  return probe;
+}
+
+template <int D>
+Probe<D> point_probe(const Problem<D>& problem, const Vector<D>& at, double radius,
+                     const Words& fields) {
+  Probe<D> probe{"point", columns_of(problem, fields), {}};
+  require(at.allFinite() && problem.grid.contains(at), "at", text_of<D>(at),
+          "must lie in the grid");
+  require(radius > 0 && std::isfinite(radius), "radius", radius, "must be positive and finite");
+  for (const std::string& field : fields)
+    require(field != "id" && field != "body", "fields", field, "has no meaning between particles");
+  probe.measure = [fields, at, radius, count = probe.columns.size()](const Simulation<D>& of) {
+    std::vector<std::size_t> near;
+    std::vector<Vector<D>> places;
+    for (std::size_t p = 0; p < of.particles().size(); ++p)
+      if ((of.particles().x[p] - at).squaredNorm() < radius * radius) {
+        near.push_back(p);
+        places.push_back(of.particles().x[p]);
+      }
+    std::vector<double> found(count, none);
+    if (near.empty()) return found;
+    const std::vector<Vector<D>> target{at};
+    const Reconstruction fit = reconstruct(points_of(places), points_of(target),
+                                           {.degree = 1, .neighbours = Radius{radius}});
+    const std::vector<double> values = values_of(of, fields, near, count);
+    const FieldView<double> view{near.size(), static_cast<int>(count), values.data(),
+                                 static_cast<std::ptrdiff_t>(count * sizeof(double)),
+                                 sizeof(double)};
+    const Eigen::MatrixXd mean = fit.apply(view);
+    for (std::size_t c = 0; c < count; ++c) found[c] = mean(0, static_cast<Eigen::Index>(c));
+    return found;
+  };
+  return probe;
+}
+
+template <int D>
+Probe<D> section_probe(const Problem<D>& problem, int axis, double at) {
+  require(axis >= 0 && axis < D, "axis", axis, "must be an axis of the grid");
+  require(at >= problem.grid.lower()[axis] && at <= problem.grid.upper(axis), "at", at,
+          "must lie in the grid");
+  Probe<D> probe{"section", {}, {}};
+  constexpr int turns = D == 3 ? 3 : D - 1;  // components of the moment
+  for (int d = 0; d < D; ++d) probe.columns.push_back(std::string("force_") + "xyz"[d]);
+  for (int d = 3 - turns; d < 3; ++d) probe.columns.push_back(std::string("moment_") + "xyz"[d]);
+  probe.columns.push_back("area");
+  add_columns("stress", 9, probe.columns);
+  probe.measure = [axis, at](const Simulation<D>& simulation) {
+    const Particles<D>& particles = simulation.particles();
+    const double h = simulation.problem().grid.h();
+    const auto known = particle_fields_of(simulation.problem(), particles);
+    const ParticleField& full_stress = known.at("stress");
+    double area = 0;
+    Vector<D> centre = Vector<D>::Zero(), force = Vector<D>::Zero();
+    std::array<double, 3> moment{};
+    std::array<double, 9> mean{};
+    const auto each = [&](const auto& add) {
+      for (std::size_t p = 0; p < particles.size(); ++p) {
+        const double w = 1 - std::abs(particles.x[p][axis] - at) / h;
+        if (w > 0) add(p, particles.volume(p) * w / h);
+      }
+    };
+    each([&](std::size_t p, double part) {
+      area += part;
+      centre += part * particles.x[p];
+    });
+    if (area > 0) centre /= area;
+    each([&](std::size_t p, double part) {
+      const Vector<D> pull = part * particles.stress[p].col(axis);
+      force += pull;
+      add_angular<D>(moment, particles.x[p] - centre, pull);
+      std::array<double, 9> stress;
+      full_stress.put(p, stress.data());
+      for (int c = 0; c < 9; ++c) mean[c] += part * stress[c];
+    });
+    std::vector<double> found(force.data(), force.data() + D);
+    found.insert(found.end(), moment.end() - turns, moment.end());
+    found.push_back(area);
+    for (const double sum : mean) found.push_back(area > 0 ? sum / area : none);
+    return found;
+  };
+  return probe;
+}
+
+template <int D>
+Probe<D> reaction_probe(const Problem<D>& problem, std::size_t boundary) {
+  require(boundary < problem.boundaries.size(), "boundary", boundary + 1,
+          "must be the number of a boundary");
+  Probe<D> probe{"reaction", {}, {}};
+  for (int d = 0; d < D; ++d) probe.columns.push_back(std::string("force_") + "xyz"[d]);
+  probe.measure = [boundary](const Simulation<D>& simulation) {
+    std::vector<double> sum(D);
+    for (const Reaction& each : external_forces(simulation).reactions)
+      if (each.boundary == boundary) sum[static_cast<std::size_t>(each.axis)] += each.force;
+    return sum;
+  };
+  return probe;
+}
+
+template <int D>
+std::string probes_header(const std::vector<Probe<D>>& probes) {
+  std::string header = "step,time";
+  for (const Probe<D>& probe : probes)
+    for (const std::string& column : probe.columns) header += "," + probe.name + "." + column;
+  return header;
+}
+
+template <int D>
+std::string probes_row(const std::vector<Probe<D>>& probes, const Simulation<D>& simulation) {
+  std::string row = std::to_string(simulation.steps());
+  const auto put = [&](double value) {
+    char text[32];
+    row += ',';
+    if (std::isfinite(value)) row.append(text, std::to_chars(text, text + sizeof text, value).ptr);
+  };
+  put(simulation.time());
+  for (const Probe<D>& probe : probes)
+    for (const double value : probe.measure(simulation)) put(value);
+  return row;
+}
+
+#define RECON_INSTANTIATE(D)                                                                \
+  template Probe<D> particle_probe(const Problem<D>&, const Vector<D>&, const Words&);      \
+  template Probe<D> point_probe(const Problem<D>&, const Vector<D>&, double, const Words&); \
+  template Probe<D> section_probe(const Problem<D>&, int, double);                          \
+  template Probe<D> reaction_probe(const Problem<D>&, std::size_t);                         \
+  template std::string probes_header(const std::vector<Probe<D>>&);                         \
+  template std::string probes_row(const std::vector<Probe<D>>&, const Simulation<D>&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
+
+}  // namespace recon::mpm
