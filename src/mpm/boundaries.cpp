@@ -10,8 +10,7 @@ BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem
     const Boundary<D>& boundary = problem.boundaries[b];
     const auto plane = static_cast<std::size_t>(
         std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
-    if (const int face = boundary.face(grid);
-        face != 0 && boundary.velocity[boundary.axis] && *boundary.velocity[boundary.axis] == 0.0)
+    if (const int face = boundary.face(grid); face != 0 && boundary.velocity[boundary.axis] == 0.0)
       walls_.push_back({boundary.axis, face > 0, &boundary});
     for (std::size_t i = 0; i < grid.size(); ++i) {
       if (grid.nodes().index(i)[boundary.axis] != plane) continue;
@@ -26,8 +25,10 @@ BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem
 template <int D>
 void BoundaryPolicy<D>::hold(double time, double lag, Nodes<D>& nodes) const {
   give(time - lag, nodes.velocity);
-  rest(nodes.acceleration);
-  if (lag > 0) drive(time - lag, time, nodes);
+  if (lag > 0)
+    drive(time - lag, time, nodes);
+  else
+    rest(nodes.acceleration);
 }
 
 template <int D>
@@ -61,9 +62,7 @@ void BoundaryPolicy<D>::keep_inside(std::size_t begin, std::size_t end, State<D>
     }
     if (!x.allFinite()) throw Failure(s.steps, "particle", p, "its position is not finite");
     if (grid.contains(x)) continue;
-    std::string at;
-    for (int d = 0; d < D; ++d) at += (d ? ", " : "") + recon::detail::brief(x[d], 9);
-    throw Failure(s.steps, "particle", p, "it left the grid at (" + at + ")");
+    throw Failure(s.steps, "particle", p, "it left the grid at " + recon::detail::brief_place(x));
   }
 }
 

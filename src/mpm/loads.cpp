@@ -52,6 +52,20 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
   if (problem.loads.empty()) return;
   with_shape(problem.method, [&](auto shape_of) {
     typename decltype(shape_of)::template Nodes<D> shape;
+    // The functions at a place beside a point; empty: they go on linearly from the point.
+    const auto parts_of = [&](const Vector<D>& x, const Vector<D>& place) -> std::vector<double> {
+      if constexpr (requires { shape_of.functions.cell_degree; }) {
+        // Their G are the slopes of splines, along an axis: forces of stresses meet these.
+        constexpr int degree = decltype(shape_of.functions)::cell_degree + 1;
+        const SplineFunctions<degree> of_slope{{shape_of.functions.border}};
+        if (problem.method.border != SplineBorder::linear_cells)
+          return parts_at(problem.grid, of_slope, x, place);
+      } else if constexpr (is_product<D, decltype(shape_of)>) {
+        if (problem.method.basis != Basis::mls_bspline2)
+          return parts_at(problem.grid, shape_of.functions, x, place);
+      }
+      return {};
+    };
     for (const Load<D>& load : problem.loads) {
       functions_of(problem, s.particles, nodes, shape_of, load.particle, shape);
       const LoadedPlace<D> place = place_of(load, s.particles);
@@ -63,18 +77,8 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
         // As of stresses, what a light node gets beyond S does not shrink with its mass.
         if (!nodes.internal.empty()) nodes.internal[shape.node[k]] += (part - shape.S[k]) * force;
       };
-      std::vector<double> parts;
-      if (load.offset.isZero()) {
-      } else if constexpr (requires { shape_of.functions.cell_degree; }) {
-        // Their G are the slopes of splines, along an axis: forces of stresses meet these.
-        constexpr int degree = decltype(shape_of.functions)::cell_degree + 1;
-        const SplineFunctions<degree> of_slope{{shape_of.functions.border}};
-        if (problem.method.border != SplineBorder::linear_cells)
-          parts = parts_at(problem.grid, of_slope, x, place.x);
-      } else if constexpr (is_product<D, decltype(shape_of)>) {
-        if (problem.method.basis != Basis::mls_bspline2)
-          parts = parts_at(problem.grid, shape_of.functions, x, place.x);
-      }
+      const std::vector<double> parts =
+          load.offset.isZero() ? std::vector<double>() : parts_of(x, place.x);
       const Vector<D> d = place.x - x;
       for (std::size_t k = 0; k < shape.size(); ++k)
         add(k, parts.empty() ? shape.S[k] + shape.G[k].dot(d) : parts[k]);

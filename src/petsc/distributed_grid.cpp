@@ -70,11 +70,6 @@ struct DistributedGrid::Data {
 
 namespace {
 
-const char* axis_name(int d) {
-  constexpr std::array<const char*, max_dimension> names{"x", "y", "z"};
-  return names[d];
-}
-
 // Boxes of nodes as even as they can be; the last ranks have one more where the division leaves a rest.
 std::vector<std::int64_t> even_starts(std::int64_t nodes, int ranks) {
   std::vector<std::int64_t> starts{0};
@@ -90,7 +85,7 @@ void require_width(const std::vector<std::int64_t>& starts, int d,
   if (options.ranks[d] == 1 && !options.periodic[d]) return;
   for (std::size_t r = 0; r + 1 < starts.size(); ++r)
     if (starts[r + 1] - starts[r] < least)
-      detail::throw_invalid(std::string("nodes of one rank along axis ") + axis_name(d),
+      detail::throw_invalid(std::string("nodes of one rank along axis ") + "xyz"[d],
                             starts[r + 1] - starts[r],
                             "must be at least the number of ghosts, " + std::to_string(least) +
                                 ": fewer ranks along this axis, or more nodes");

@@ -123,56 +123,52 @@ FieldView<double> view_of(const std::vector<double>& rows, int width) {
   return {rows.size() / static_cast<std::size_t>(width), width, rows.data(), step * width, step};
 }
 
-// What one halo makes possible.
-struct Attempt {
+// A halo, and what it has brought: a row for each particle, its place and, where there are any, its
+// weight.
+struct Brought {
   std::shared_ptr<Halo> halo;
-  std::optional<recon::Reconstruction> fit;
-  bool suffices = true;
-};
+  std::vector<double> rows;
+  int dimension, width;
 
-Attempt tried(const Communicator& ranks, const PointsView<double>& points,
-              const PointsView<double>& targets, std::span<const double> own,
-              const Box<double>& box, double reach, bool proves, const Options& options) {
-  const int dimension = points.dimension();
-  Attempt attempt;
-  attempt.halo = std::make_shared<Halo>(
-      ranks, points, need_of(box, targets.size() > 0, reach, options), options.domain);
-  const Halo& halo = *attempt.halo;
-  const bool weighted = ranks.largest(options.particle_weights.empty() ? 0 : 1) > 0;
-  const int width = dimension + (weighted ? 1 : 0);
-  const std::vector<double> all = halo.spread(own, width);
-
-  ranks.together([&] {
-    Options local = options;
-    std::vector<double> weights;
-    for (std::size_t p = 0; weighted && p < halo.all(); ++p)
-      weights.push_back(
-          all[p * static_cast<std::size_t>(width) + static_cast<std::size_t>(dimension)]);
-    local.particle_weights = weights;
+  Brought(std::shared_ptr<Halo> of, std::span<const double> own, int axes, bool weighted)
+      : halo(std::move(of)), dimension(axes), width(axes + (weighted ? 1 : 0)) {
+    rows = halo->spread(own, width);
+  }
+  PointsView<double> cloud() const {
     const std::ptrdiff_t step = static_cast<std::ptrdiff_t>(sizeof(double)) * width;
     std::array<const void*, max_dimension> first{};
-    for (int d = 0; d < dimension && halo.all() > 0; ++d) first[d] = all.data() + d;
-    const PointsView<double> cloud(halo.all(), dimension, first, {step, step, step});
-    const auto* nearest = std::get_if<Nearest>(&*local.neighbours);
-    const bool complete = halo.all() == static_cast<std::size_t>(halo.total());
-    if (proves && nearest && !complete && targets.size() > 0) {
-      // No target's k nearest can lie farther than what has been asked for.
-      const std::size_t most = most_neighbours(*nearest, local.grow);
-      attempt.suffices = halo.all() >= most;
-      if (!attempt.suffices) return;
-      const Sources sources(cloud, local.sources());
-      const bool cube = local.form == WeightForm::tensor_product;
-      const NeighbourList<double> list = find_neighbours(
-          sources, targets, Nearest(most, nearest->factor),
-          {.shape = cube ? SupportShape::cube : SupportShape::ball, .threads = local.threads});
-      const double diagonal = cube ? std::sqrt(static_cast<double>(dimension)) : 1;
-      for (std::size_t t = 0; t < targets.size(); ++t)
-        attempt.suffices = attempt.suffices && list.support[t] * diagonal <= reach;
-      if (!attempt.suffices) return;
-    }
-    attempt.fit.emplace(cloud, targets, local);
-  });
-  return attempt;
+    for (int d = 0; d < dimension && halo->all() > 0; ++d) first[d] = rows.data() + d;
+    return {halo->all(), dimension, first, {step, step, step}};
+  }
+  std::vector<double> weights() const {
+    std::vector<double> all;
+    for (std::size_t p = 0; p < halo->all() && width > dimension; ++p)
+      all.push_back(
+          rows[p * static_cast<std::size_t>(width) + static_cast<std::size_t>(dimension)]);
+    return all;
+  }
+};
+
+// Whether the k nearest of all targets are there: none can lie farther than what was asked for.
+bool suffices(const Brought& brought, const PointsView<double>& targets, double reach,
+              const Options& options) {
+  const auto* nearest = std::get_if<Nearest>(&*options.neighbours);
+  const Halo& halo = *brought.halo;
+  const bool complete = halo.all() == static_cast<std::size_t>(halo.total());
+  if (!nearest || complete || targets.size() == 0) return true;
+  const std::size_t most = most_neighbours(*nearest, options.grow);
+  if (halo.all() < most) return false;
+  const bool cube = options.form == WeightForm::tensor_product;
+  const std::vector<double> weights = brought.weights();
+  Options local = options;
+  local.particle_weights = weights;
+  const NeighbourList<double> list = find_neighbours(
+      Sources(brought.cloud(), local.sources()), targets, Nearest(most, nearest->factor),
+      {.shape = cube ? SupportShape::cube : SupportShape::ball, .threads = options.threads});
+  const double diagonal = cube ? std::sqrt(static_cast<double>(brought.dimension)) : 1;
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    if (!(list.support[t] * diagonal <= reach)) return false;
+  return true;
 }
 
 }  // namespace
@@ -221,22 +217,30 @@ Reconstruction::Reconstruction(MPI_Comm comm, const PointsView<double>& points,
        options.domain.lower[1], options.domain.lower[2], options.domain.upper[0],
        options.domain.upper[1], options.domain.upper[2]});
 
-  const bool searches = std::holds_alternative<Nearest>(*all.neighbours);
-  if (searches) {
-    const auto& nearest = std::get<Nearest>(*all.neighbours);
+  if (const auto* nearest = std::get_if<Nearest>(&*all.neighbours)) {
     const Extent extent = extent_of(ranks, own_box, points.size(), all.stretch);
-    reach = guessed_reach(extent, static_cast<double>(most_neighbours(nearest, all.grow))) *
-            std::max(1.0, nearest.factor);
+    reach = guessed_reach(extent, static_cast<double>(most_neighbours(*nearest, all.grow))) *
+            std::max(1.0, nearest->factor);
   }
   for (int round = 1;; ++round) {
-    Attempt attempt = tried(ranks, points, targets, own, box, reach, searches, all);
-    if (ranks.largest(attempt.suffices ? 0 : 1) > 0) {
-      if (!attempt.suffices) reach *= 2;
+    const Brought brought(
+        std::make_shared<Halo>(ranks, points, need_of(box, targets.size() > 0, reach, all),
+                               all.domain),
+        own, dimension, weighted);
+    bool enough = true;
+    ranks.together([&] { enough = suffices(brought, targets, reach, all); });
+    if (ranks.largest(enough ? 0 : 1) > 0) {
+      if (!enough) reach *= 2;
       continue;
     }
-    attempt.halo->rounds = round;
-    halo_ = std::move(attempt.halo);
-    local_ = std::move(*attempt.fit);
+    ranks.together([&] {
+      const std::vector<double> weights = brought.weights();
+      Options local = all;
+      local.particle_weights = weights;
+      local_ = recon::Reconstruction(brought.cloud(), targets, local);
+    });
+    halo_ = brought.halo;
+    brought.halo->rounds = round;
     return;
   }
 }

@@ -17,9 +17,7 @@ void require_in_grid(const Grid<D>& grid, const Vector<D>& lower, const Vector<D
   for (int d = 0; d < D; ++d) end[d] = grid.upper(d);
   const auto from_to = [](const Vector<D>& from, const Vector<D>& to) {
     const auto corner = [](const Vector<D>& x) {
-      std::string text = D == 1 ? "" : "(";
-      for (int d = 0; d < D; ++d) text += (d ? ", " : "") + recon::detail::brief(x[d], 9);
-      return text + (D == 1 ? "" : ")");
+      return D == 1 ? recon::detail::brief(x[0], 9) : recon::detail::brief_place(x);
     };
     return corner(from) + " to " + corner(to);
   };
@@ -96,6 +94,14 @@ std::pair<Vector<2>, Vector<2>> box_of(const Vector<2>& centre, double inner, do
 }
 
 template <int D>
+std::size_t nearest_particle(const Particles<D>& particles, const Vector<D>& at) {
+  std::size_t nearest = 0;
+  for (std::size_t p = 1; p < particles.size(); ++p)
+    if ((particles.X[p] - at).norm() < (particles.X[nearest] - at).norm()) nearest = p;
+  return nearest;
+}
+
+template <int D>
 std::vector<SurfacePart<D>> surface(const Particles<D>& particles, int body, const Side<D>& side) {
   const auto half_thickness = [&](std::size_t p) {
     return (particles.half_edges[p].transpose() * side.normal(particles.X[p])).cwiseAbs().sum();
@@ -133,6 +139,7 @@ std::vector<SurfacePart<D>> surface(const Particles<D>& particles, int body, con
   template void require_in_grid(const Grid<D>&, const Vector<D>&, const Vector<D>&);           \
   template void fill_cells(const Grid<D>&, const Region<D>&, int, double, double, int, double, \
                            Particles<D>&);                                                     \
+  template std::size_t nearest_particle(const Particles<D>&, const Vector<D>&);                \
   template std::vector<SurfacePart<D>> surface(const Particles<D>&, int, const Side<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

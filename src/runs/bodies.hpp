@@ -43,6 +43,10 @@ void fill_ring(const Vector<2>& centre, double inner, double outer, const Sector
 std::pair<Vector<2>, Vector<2>> box_of(const Vector<2>& centre, double inner, double outer,
                                        const Sector& sector);
 
+// The particle whose reference position is nearest to a place; the first of equally near ones.
+template <int D>
+std::size_t nearest_particle(const Particles<D>& particles, const Vector<D>& at);
+
 // A side of a body: the outward normal at a reference place, and how far out a place lies. A round
 // side is about a centre, from which the height is measured, inwards with a minus.
 template <int D>

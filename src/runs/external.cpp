@@ -8,20 +8,6 @@
 namespace recon::mpm {
 namespace {
 
-// M x for a vector at each node.
-template <int D>
-std::vector<Vector<D>> times_mass(const Nodes<D>& nodes, const std::vector<Vector<D>>& x) {
-  std::vector<Vector<D>> out(x.size(), Vector<D>::Zero());
-  if (nodes.mass_matrix.size() == 0) {
-    for (std::size_t i = 0; i < x.size(); ++i) out[i] = nodes.mass[i] * x[i];
-    return out;
-  }
-  for (Eigen::Index column = 0; column < nodes.mass_matrix.outerSize(); ++column)
-    for (Eigen::SparseMatrix<double>::InnerIterator at(nodes.mass_matrix, column); at; ++at)
-      out[static_cast<std::size_t>(at.row())] += at.value() * x[static_cast<std::size_t>(column)];
-  return out;
-}
-
 // Gravity, body force and loads at a time, sums of absolute values.
 template <int D>
 double applied(const Problem<D>& problem, const Particles<D>& particles,
@@ -84,13 +70,13 @@ ExternalForces<D> external_forces(const Simulation<D>& simulation) {
 
   std::vector<Vector<D>> undamped = nodes.acceleration;
   if (!nodes.damping.empty()) {
-    const std::vector<Vector<D>> slowing = times_mass(nodes, nodes.damping);
+    const std::vector<Vector<D>> slowing = nodes.times_mass(nodes.damping);
     for (std::size_t i = 0; i < count; ++i) {
       out.power += slowing[i].dot(now(i));
       undamped[i] -= nodes.damping[i];
     }
   }
-  const std::vector<Vector<D>> gained = times_mass(nodes, undamped);
+  const std::vector<Vector<D>> gained = nodes.times_mass(undamped);
   const auto force = [&](std::size_t i) -> Vector<D> {
     return nodes.force[i] + nodes.mass[i] * problem.gravity;
   };

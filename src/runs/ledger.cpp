@@ -5,7 +5,6 @@
 
 #include "mpm/modes.hpp"
 #include "recon/core/parallel.hpp"
-#include "recon/runs/external.hpp"
 #include "runs/angular.hpp"
 
 namespace recon::mpm {
@@ -36,6 +35,14 @@ void add(std::array<double, 3>& sum, const std::array<double, 3>& value) {
 template <int D>
 Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start,
                const std::optional<Ledger>& before) {
+  recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
+                         "needs a map() before");
+  return account(simulation, external_forces(simulation), start, before);
+}
+
+template <int D>
+Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
+               const std::optional<Ledger>& start, const std::optional<Ledger>& before) {
   recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
                          "needs a map() before");
   const Problem<D>& problem = simulation.problem();
@@ -93,31 +100,15 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
     ledger.power += block.power;
     ledger.linear_strain += block.linear_strain;
   }
-  // M v of a velocity v.
-  const auto momenta = [&](const auto& velocity) {
-    std::vector<Vector<D>> all(nodes.mass.size());
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = nodes.mass[i] * velocity(i);
-    if (nodes.mass_matrix.size() == 0) return all;
-    Eigen::VectorXd component(nodes.mass_matrix.cols());
-    for (int d = 0; d < D; ++d) {
-      for (Eigen::Index i = 0; i < component.size(); ++i)
-        component[i] = velocity(static_cast<std::size_t>(i))[d];
-      const Eigen::VectorXd product = nodes.mass_matrix * component;
-      for (Eigen::Index i = 0; i < component.size(); ++i)
-        all[static_cast<std::size_t>(i)][d] = product[i];
-    }
-    return all;
-  };
-  const auto mapped = [&](std::size_t i) -> Vector<D> { return nodes.mapped[i]; };
-  const auto now = [&](std::size_t i) -> Vector<D> {
-    return nodes.velocity[i] + half * nodes.acceleration[i];
-  };
-  const std::vector<Vector<D>> mapped_momentum = momenta(mapped), momentum_now = momenta(now);
+  std::vector<Vector<D>> now = nodes.velocity;
+  for (std::size_t i = 0; i < now.size(); ++i) now[i] += half * nodes.acceleration[i];
+  const std::vector<Vector<D>> mapped_momentum = nodes.times_mass(nodes.mapped);
+  const std::vector<Vector<D>> momentum_now = nodes.times_mass(now);
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
     ledger.node_mass += nodes.mass[i];
     add<D>(ledger.node_momentum, mapped_momentum[i]);
     add_angular<D>(ledger.node_angular, problem.grid.position(i), mapped_momentum[i]);
-    ledger.node_kinetic += momentum_now[i].dot(now(i)) / 2;
+    ledger.node_kinetic += momentum_now[i].dot(now[i]) / 2;
   }
   ledger.negative_nodes = nodes.negative;
   ledger.interpolation_error = ledger.node_kinetic - ledger.kinetic;
@@ -125,7 +116,7 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
   const Ledger& from = start ? *start : ledger;
   ledger.interpolation_error -= from.node_kinetic - from.kinetic;
   ledger.algorithmic_error += from.node_kinetic + from.strain;
-  ledger.power += external_forces(simulation).power;
+  ledger.power += forces.power;
   if (before)
     ledger.work = before->work + (ledger.time - before->time) * (before->power + ledger.power) / 2;
   else if (start)
@@ -163,11 +154,14 @@ std::string ledger_row(const Ledger& ledger) {
   return row;
 }
 
-template Ledger account(const Simulation<1>&, const std::optional<Ledger>&,
-                        const std::optional<Ledger>&);
-template Ledger account(const Simulation<2>&, const std::optional<Ledger>&,
-                        const std::optional<Ledger>&);
-template Ledger account(const Simulation<3>&, const std::optional<Ledger>&,
-                        const std::optional<Ledger>&);
+#define RECON_INSTANTIATE(D)                                                  \
+  template Ledger account(const Simulation<D>&, const std::optional<Ledger>&, \
+                          const std::optional<Ledger>&);                      \
+  template Ledger account(const Simulation<D>&, const ExternalForces<D>&,     \
+                          const std::optional<Ledger>&, const std::optional<Ledger>&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

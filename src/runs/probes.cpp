@@ -10,21 +10,16 @@
 #include "recon/runs/external.hpp"
 #include "recon/runs/frames.hpp"
 #include "runs/angular.hpp"
+#include "runs/bodies.hpp"
 #include "runs/particle_values.hpp"
 
 namespace recon::mpm {
 namespace {
 
+using recon::detail::brief_place;
 using recon::detail::require;
 using Words = std::vector<std::string>;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-template <int D>
-std::string text_of(const Vector<D>& x) {
-  std::string text = "(";
-  for (int d = 0; d < D; ++d) text += (d ? ", " : "") + recon::detail::brief(x[d], 9);
-  return text + ")";
-}
 
 // The columns of a field.
 void add_columns(const std::string& name, int components, Words& columns) {
@@ -73,17 +68,14 @@ template <int D>
 Probe<D> particle_probe(const Problem<D>& problem, const Vector<D>& at, const Words& fields) {
   Probe<D> probe{"particle", columns_of(problem, fields), {}};
   const Particles<D>& particles = problem.particles;
-  std::size_t nearest = 0;
-  for (std::size_t p = 1; p < particles.size(); ++p)
-    if ((particles.X[p] - at).squaredNorm() < (particles.X[nearest] - at).squaredNorm())
-      nearest = p;
+  const std::size_t nearest = nearest_particle(particles, at);
   const double away = (particles.X[nearest] - at).norm();
   const double reach = particles.half_edges[nearest].colwise().norm().sum();
   if (!(away <= reach * (1 + 1e-9)))
-    recon::detail::throw_invalid("at", text_of<D>(at),
+    recon::detail::throw_invalid("at", brief_place(at),
                                  "lies in no body: the nearest particle is " +
                                      recon::detail::brief(away, 6) + " away, at " +
-                                     text_of<D>(particles.X[nearest]));
+                                     brief_place(particles.X[nearest]));
   probe.measure = [fields, nearest, count = probe.columns.size()](const Simulation<D>& simulation) {
     return values_of(simulation, fields, {nearest}, count);
   };
@@ -94,7 +86,7 @@ template <int D>
 Probe<D> point_probe(const Problem<D>& problem, const Vector<D>& at, double radius,
                      const Words& fields) {
   Probe<D> probe{"point", columns_of(problem, fields), {}};
-  require(at.allFinite() && problem.grid.contains(at), "at", text_of<D>(at),
+  require(at.allFinite() && problem.grid.contains(at), "at", brief_place(at),
           "must lie in the grid");
   require(radius > 0 && std::isfinite(radius), "radius", radius, "must be positive and finite");
   for (const std::string& field : fields)

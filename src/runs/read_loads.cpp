@@ -14,11 +14,7 @@ using Words = std::vector<std::string>;
 template <int D>
 void read_point_load(ProblemReader<D>& reader, const TomlTable& table) {
   Problem<D>& problem = reader.problem();
-  const Vector<D> at = reader.vector(table, "at");
-  std::size_t nearest = 0;
-  for (std::size_t p = 1; p < problem.particles.size(); ++p)
-    if ((problem.particles.X[p] - at).norm() < (problem.particles.X[nearest] - at).norm())
-      nearest = p;
+  const std::size_t nearest = nearest_particle<D>(problem.particles, reader.vector(table, "at"));
   reader.note(table, "direction");
   reader.note(table, "magnitude");
   const Expression magnitude =

@@ -101,20 +101,23 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
   frame_options.fields = file.output.fields;
   frame_options.first_listed = own_folder ? 0 : state.frame_times.size();
   result.shortest_step = std::numeric_limits<double>::infinity();
+  // Whether a multiple of an interval lies between two times.
+  const auto passes = [](double interval, double from, double to) {
+    const auto multiple = [&](double time) { return std::floor(time / interval * (1 + 1e-9)); };
+    return multiple(to) > multiple(from);
+  };
   // Frames are due at the multiples of this; the one at which a restart begins has been written.
   const double spacing = frames > 0 ? end / frames : 0;
   const auto frame_due = [&] {
     if (frames == 0) return false;
-    const auto multiple = [&](double time) { return std::floor(time / spacing * (1 + 1e-9)); };
     return state.frame_times.empty() ||
-           multiple(simulation.time()) > multiple(state.frame_times.back());
+           passes(spacing, state.frame_times.back(), simulation.time());
   };
   // Rows of the probes are due by time or number of the step alone, so that a restart has the same.
   const auto probes_due = [&] {
     const double interval = file.output.probe_interval, time = simulation.time();
     if (interval <= 0) return simulation.steps() % file.output.probe_every == 0;
-    const auto multiple = [&](double t) { return std::floor(t / interval * (1 + 1e-9)); };
-    return simulation.steps() == 0 || multiple(time) > multiple(time - simulation.last_step());
+    return simulation.steps() == 0 || passes(interval, time - simulation.last_step(), time);
   };
   // Without a ledger only the ends are accounted for, and the work between them is not known.
   const bool every_step = ledger_file || file.problem.time.rest;
@@ -125,9 +128,10 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
     result.unfitted = std::max(result.unfitted, simulation.nodes().unfitted);
     const bool stopped = !done && options.stop && options.stop();
     if (every_step || first || done || stopped) {
+      const ExternalForces<D> forces = external_forces(simulation);
       Ledger now = account(
-          simulation, first && from_start ? std::optional<Ledger>() : std::optional(state.start),
-          before);
+          simulation, forces,
+          first && from_start ? std::optional<Ledger>() : std::optional(state.start), before);
       if (first && !from_start) now.work = state.work;
       state.work = every_step ? now.work : std::numeric_limits<double>::quiet_NaN();
       if (every_step) before = now;
@@ -138,8 +142,7 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
           std::max(result.largest_momentum_defect, distance(now.momentum, now.node_momentum));
       if (ledger_file) ledger_file->add(ledger_row(now));
       if (const auto& tolerance = file.problem.time.rest) {
-        result.rest = rest_of(simulation, external_forces(simulation), now.node_kinetic, now.strain,
-                              *tolerance);
+        result.rest = rest_of(simulation, forces, now.node_kinetic, now.strain, *tolerance);
         done = done || result.rest->reached;
       }
     }

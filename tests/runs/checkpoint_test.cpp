@@ -61,25 +61,13 @@ std::string with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 ProblemFile<2> file_of(const std::string& text, const std::vector<std::string>& settings = {}) {
   return std::get<ProblemFile<2>>(read_problem_text(text, "p.toml", settings));
 }
 
-class MpmCheckpoint : public testing::Test {
+class MpmCheckpoint : public InFolder {
  protected:
-  MpmCheckpoint() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "recon-cp-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    write(base, {});
-  }
-  ~MpmCheckpoint() override { std::filesystem::remove_all(folder_); }
+  MpmCheckpoint() { write(base, {}); }
 
   // A checkpoint of this problem after three steps.
   void write(const std::string& text, const std::vector<std::string>& settings) {
@@ -119,7 +107,6 @@ class MpmCheckpoint : public testing::Test {
   }
   std::filesystem::path path() const { return folder_ / "checkpoint.h5"; }
 
-  std::filesystem::path folder_;
   std::string whole_;
 };
 

@@ -19,14 +19,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-class MpmFiles : public testing::Test {
+class MpmFiles : public InFolder {
  protected:
-  MpmFiles() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "recon-mpm-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~MpmFiles() override { std::filesystem::remove_all(folder_); }
-
   std::string message(const std::string& text, std::vector<std::string> settings = {}) const {
     std::ofstream(folder_ / "p.toml") << text;
     try {
@@ -36,14 +30,6 @@ class MpmFiles : public testing::Test {
     }
     return "";
   }
-  static std::string contents(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-
-  std::filesystem::path folder_;
 };
 
 const std::string good = R"(title = "a block"

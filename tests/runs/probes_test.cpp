@@ -165,15 +165,7 @@ TYPED_TEST(Probes, ReactionsAreWhatMomentumLacks) {
   }
 }
 
-class MpmProbes : public testing::Test {
- protected:
-  MpmProbes() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "recon-pro-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~MpmProbes() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_;
-};
+class MpmProbes : public InFolder {};
 
 const std::string base = R"([grid]
 lower = [0.0, 0.0]

@@ -17,14 +17,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-class MpmRest : public testing::Test {
+class MpmRest : public InFolder {
  protected:
-  MpmRest() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "recon-rest-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~MpmRest() override { std::filesystem::remove_all(folder_); }
-
   template <int D>
   static ProblemFile<D> file_of(const std::string& text,
                                 const std::vector<std::string>& settings = {}) {
@@ -35,12 +29,6 @@ class MpmRest : public testing::Test {
     options.folder = folder_ / name;
     return run(file, options);
   }
-  static std::string contents(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
   static std::string refusal(const std::string& text) {
     try {
       read_problem_text(text, "p.toml");
@@ -49,8 +37,6 @@ class MpmRest : public testing::Test {
     }
     return "";
   }
-
-  std::filesystem::path folder_;
 };
 
 // A column of 1 x 20 cells (or a bar of 20) on a roller, between rollers.

@@ -85,6 +85,18 @@ struct Nodes {
     stiffness.assign(light_nodes ? count : 0, 0);
     unfitted = 0;
   }
+  // M x of a vector at each node, M diagonal with lumped mass.
+  std::vector<Vector<D>> times_mass(const std::vector<Vector<D>>& x) const {
+    std::vector<Vector<D>> out(x.size(), Vector<D>::Zero());
+    if (mass_matrix.size() == 0) {
+      for (std::size_t i = 0; i < x.size(); ++i) out[i] = mass[i] * x[i];
+      return out;
+    }
+    for (Eigen::Index column = 0; column < mass_matrix.outerSize(); ++column)
+      for (Eigen::SparseMatrix<double>::InnerIterator at(mass_matrix, column); at; ++at)
+        out[static_cast<std::size_t>(at.row())] += at.value() * x[static_cast<std::size_t>(column)];
+    return out;
+  }
   double heaviest() const {
     double most = 0;
     for (const double each : mass) most = std::max(most, std::abs(each));

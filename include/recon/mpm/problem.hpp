@@ -138,12 +138,6 @@ LoadedPlace<D> place_of(const Load<D>& load, const Particles<D>& particles) {
           F.determinant() * (F.inverse().transpose() * load.area)};
 }
 
-// The force at time t.
-template <int D>
-Vector<D> force_of(const Load<D>& load, const Particles<D>& particles, double t) {
-  return load.force(place_of(load, particles), t);
-}
-
 // Damping at the nodes, for bodies that are to come to rest. It takes from each component of the
 // acceleration of a node
 //     local |a_i| sign(v_i) + mass v_i ,   v_i as it was mapped.

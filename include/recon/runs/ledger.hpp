@@ -30,7 +30,7 @@
 #include <cmath>
 #include <optional>
 
-#include "recon/runs/simulation.hpp"
+#include "recon/runs/external.hpp"
 
 namespace recon::mpm {
 
@@ -60,6 +60,10 @@ inline double distance(const std::array<double, 3>& a, const std::array<double, 
 template <int D>
 Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start = {},
                const std::optional<Ledger>& before = {});
+// The same with the external forces of that state, where they are at hand.
+template <int D>
+Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
+               const std::optional<Ledger>& start, const std::optional<Ledger>& before);
 
 // The line of column names and a line of numbers, as ledger.csv has them.
 std::string ledger_header();

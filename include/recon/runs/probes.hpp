@@ -4,8 +4,7 @@
 // last. Kinds:
 //   particle  fields of the particle whose reference position is nearest to a place in a body
 //   point     fields at a place that stays, by a linear least-squares fit (reconstruct(), degree 1)
-//             to the
-//             particles nearer than `radius`; nothing where there are none
+//             to the particles nearer than `radius`; nothing where there are none
 //   section   what the part of the bodies above the plane x_axis = at exerts on the part below it:
 //                 force   sum_p V_p sigma_p n w_p / h ,   w_p = max(0, 1 - |x_p - at| / h)
 //                 moment  sum_p V_p (x_p - c) x sigma_p n w_p / h   about the section's centre c

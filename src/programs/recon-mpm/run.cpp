@@ -333,7 +333,7 @@ Command add_run(CLI::App& app) {
       ->type_name("FILE");
   command->add_flag("--overwrite", options->overwrite, "replace the results of another run");
   command->add_flag("--quiet", options->quiet, "no progress");
-  add_json_option(*command, options->json, "RunCommand");
+  add_json_option(*command, options->json, "Options");
   return [options] {
     const mpm::AnyProblem problem = options->problem.read();
     std::visit([&](const auto& file) { run(*options, file); }, problem);
