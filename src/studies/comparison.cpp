@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "recon/runs/compose.hpp"
 #include "recon/runs/ledger.hpp"
@@ -12,21 +13,28 @@
 namespace recon::mpm {
 namespace {
 
+// Seconds that pass, or that the processor worked for this program.
+double seconds_now(bool of_processor) {
+  if (of_processor) return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
 // What a run shows, also where it fails.
 template <int D>
 void watch(const ProblemFile<D>& file, Simulation<D>& simulation, ComparisonRow& row) {
-  using Clock = std::chrono::steady_clock;
   const Problem<D>& problem = simulation.problem();
   const Particles<D>& particles = simulation.particles();
+  const bool one_thread = problem.threads == 1;
   std::vector<double> seconds;
   std::optional<Ledger> start, before;
-  std::optional<Clock::time_point> left;
+  std::optional<double> left;
   Ledger now;
   double most_energy = 0, most_momentum = 0, most_angular = 0;
   double momentum_defect = 0, angular_defect = 0;
   try {
     const auto observe = [&] {
-      if (left) seconds.push_back(std::chrono::duration<double>(Clock::now() - *left).count());
+      if (left) seconds.push_back(seconds_now(one_thread) - *left);
       now = account(simulation, start, before);
       before = now;
       if (!start) start = now;
@@ -42,7 +50,7 @@ void watch(const ProblemFile<D>& file, Simulation<D>& simulation, ComparisonRow&
       momentum_defect = std::max(momentum_defect, distance(now.momentum, now.node_momentum));
       angular_defect = std::max(angular_defect, distance(now.angular, now.node_angular));
       row.negative_nodes = std::max(row.negative_nodes, now.negative_nodes);
-      left = Clock::now();
+      left = seconds_now(one_thread);
     };
     run_until<D>(simulation, problem.time.end, observe, file.limits);
   } catch (const Failure& failure) {
@@ -86,6 +94,36 @@ ComparisonRow run_one(const ProblemFile<D>& file) {
   return row;
 }
 
+// One method at one step on all grids: the row of the finest, its orders from the one before. A
+// courant number that is NaN leaves the problem's own.
+ComparisonRow refined(const LoadProblem& load, const std::vector<double>& cells,
+                      const std::string& method, double courant) {
+  using recon::detail::to_text;
+  ComparisonRow row, before;
+  for (std::size_t g = 0; g < cells.size(); ++g) {
+    std::vector<std::string> settings = {"method.name=" + method,
+                                         "grid.cells=" + to_text(cells[g])};
+    if (!std::isnan(courant)) settings.push_back("time.courant=" + to_text(courant));
+    try {
+      const AnyProblem any = load(settings);
+      before = row;
+      row = std::visit([](const auto& file) { return run_one(file); }, any);
+    } catch (const std::exception& refusal) {
+      row = {};
+      row.refusal = refusal.what();
+      break;
+    }
+    if (g == 0) continue;
+    const double ratio = std::log(cells[g] / cells[g - 1]);
+    row.displacement_before = before.displacement;
+    row.displacement_order = std::log(before.displacement_error / row.displacement_error) / ratio;
+    row.velocity_order = std::log(before.velocity_error / row.velocity_error) / ratio;
+  }
+  row.method = method;
+  row.courant = courant;
+  return row;
+}
+
 }  // namespace
 
 std::vector<ComparisonRow> compare(const LoadProblem& load, const ComparisonStudy& study,
@@ -93,32 +131,19 @@ std::vector<ComparisonRow> compare(const LoadProblem& load, const ComparisonStud
   constexpr int per_cell = 2;
   recon::detail::require(!study.cells.empty(), "grids of the comparison", 0,
                          "must be at least one");
+  std::vector<double> courants = study.courants;
+  if (courants.empty()) courants = {ComparisonRow::none};
   std::vector<ComparisonRow> rows;
   for (const std::string& method : study.methods) {
     if (progress) progress(method);
-    ComparisonRow row, before;
-    for (std::size_t g = 0; g < study.cells.size(); ++g) {
-      const std::string settings[] = {"method.name=" + method,
-                                      "grid.cells=" + recon::detail::to_text(study.cells[g])};
-      try {
-        const AnyProblem any = load(settings);
-        before = row;
-        row = std::visit([](const auto& file) { return run_one(file); }, any);
-      } catch (const std::exception& refusal) {
-        row = {};
-        row.refusal = refusal.what();
-        break;
-      }
-      if (g == 0) continue;
-      const double ratio = std::log(study.cells[g] / study.cells[g - 1]);
-      row.displacement_before = before.displacement;
-      row.displacement_order = std::log(before.displacement_error / row.displacement_error) / ratio;
-      row.velocity_order = std::log(before.velocity_error / row.velocity_error) / ratio;
+    double stable = ComparisonRow::none;
+    for (const double courant : courants) {
+      ComparisonRow row = refined(load, study.cells, method, courant);
+      if (study.stable_steps && row.refusal.empty() && std::isnan(stable))
+        stable = stability_limit(composed(method), per_cell).measured;
+      row.stable = stable;
+      rows.push_back(std::move(row));
     }
-    row.method = method;
-    if (study.stable_steps && row.refusal.empty())
-      row.stable = stability_limit(composed(method), per_cell).measured;
-    rows.push_back(std::move(row));
   }
   return rows;
 }

@@ -160,10 +160,12 @@ TEST_F(MpmProgram, CompareShowsAllMethods) {
   EXPECT_THAT(shown, AllOf(HasSubstr("\ncpls "), HasSubstr("refused: "),
                            HasSubstr("needs a problem in 2-D")));
   const std::string csv = read("a.csv");
-  EXPECT_THAT(csv, AllOf(HasSubstr("method,displacement error,order"), HasSubstr("\ncpls,"),
+  EXPECT_THAT(csv, AllOf(HasSubstr("method,courant,displacement error,order"), HasSubstr("\ncpls,"),
                          HasSubstr("refused")));
   expect_failure("compare vibration_1d.toml --methods cpl", 1, HasSubstr("cpls"));
   expect_failure("compare vibration_1d.toml --cells no", 1, HasSubstr("--cells"));
+  expect_failure("compare vibration_1d.toml --courant 0.4,0", 1, HasSubstr("--courant: '0'"));
+  expect_failure("compare cantilever.toml --courant 0.4", 1, HasSubstr("time.rule=bar_wave"));
   expect_failure("compare vibration_1d.toml --against luck", 1, HasSubstr("angular"));
   expect_failure("compare nothing.toml", 2, HasSubstr("no such file"));
   expect_failure("compare vibration_1d.toml --picture a.gif", 1, HasSubstr(".png"));

@@ -89,6 +89,27 @@ TEST(Comparison, RowsSayWhatIsConserved) {
   }
 }
 
+// A row for each courant number, methods in the order asked for, and each the row of the problem with
+// that number in its file.
+TEST(Comparison, ARowForEachCourantNumber) {
+  const char* file = "vibration_1d.toml";
+  ComparisonStudy study{{"mpm", "cpdi1"}, {16, 32}, false};
+  study.courants = {0.4, 0.2};
+  const auto rows = compare(example_with(file, {"end=0.007", "threads=1"}), study);
+  ASSERT_EQ(rows.size(), 4u);
+  for (std::size_t r = 0; r < 4; ++r) {
+    EXPECT_EQ(rows[r].method, study.methods[r / 2]);
+    EXPECT_EQ(rows[r].courant, study.courants[r % 2]);
+    const std::string courant = r % 2 == 0 ? "courant=0.4" : "courant=0.2";
+    const auto own = compare(example_with(file, {"end=0.007", "threads=1", courant}),
+                             {{rows[r].method}, study.cells, false});
+    EXPECT_TRUE(std::isnan(own.front().courant));
+    EXPECT_EQ(rows[r].displacement_error, own.front().displacement_error);
+    EXPECT_EQ(rows[r].velocity_order, own.front().velocity_order);
+  }
+  EXPECT_NE(rows[0].displacement_error, rows[1].displacement_error);
+}
+
 // The balance of energy counts the work of gravity: a block in free fall.
 TEST(Comparison, GravityDoesWork) {
   const std::string text =

@@ -22,7 +22,7 @@ using Row = mpm::ComparisonRow;
 
 struct CompareCommand {
   ProblemOptions problem;
-  std::string methods, cells, out, picture, against;
+  std::string methods, cells, courants, out, picture, against;
   bool no_stability = false, quiet = false;
 };
 
@@ -32,6 +32,7 @@ struct Column {
   double Row::*value;
 };
 constexpr Column columns[] = {
+    {"courant", "courant", "%.3g", &Row::courant},
     {"displacement error", "u error", "%.2e", &Row::displacement_error},
     {"order", "order", "%.2f", &Row::displacement_order},
     {"velocity error", "v error", "%.2e", &Row::velocity_error},
@@ -105,7 +106,7 @@ const char* family(const mpm::Method& method) {
   return fitted ? "least squares" : "mass-weighted";
 }
 
-// An error over the cost, a point for each method.
+// An error over the cost, a point for each method: with the last of the courant numbers.
 void draw_comparison(const fs::path& path, const std::vector<Row>& rows, const Column& against,
                      const std::string& title) {
   LinePlot plot;
@@ -113,7 +114,9 @@ void draw_comparison(const fs::path& path, const std::vector<Row>& rows, const C
   plot.x_label = "nanoseconds per particle and step";
   plot.y_label = against.name;
   plot.log_x = plot.log_y = true;
-  for (const Row& row : rows) {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Row& row = rows[r];
+    if (r + 1 < rows.size() && rows[r + 1].method == row.method) continue;
     const double error = std::abs(row.*against.value);
     if (!(error > 0) || !(row.nanoseconds > 0)) continue;
     const char* name = family(mpm::composed(row.method));
@@ -139,20 +142,34 @@ const Column& column_named(const std::string& name, const std::vector<Row>& rows
   });
 }
 
+std::vector<double> numbers_above_zero(const char* option, const std::string& list) {
+  std::vector<double> numbers;
+  for (const std::string& word : split(list)) {
+    const auto value = to_number(word);
+    if (!value || *value <= 0)
+      fail_usage(std::string(option) + ": '" + word + "' is no number above 0");
+    numbers.push_back(*value);
+  }
+  return numbers;
+}
+
 void run(const CompareCommand& options) {
   mpm::ComparisonStudy study;
   study.stable_steps = !options.no_stability;
   study.methods = method_names(options.methods);
-  for (const std::string& word : split(options.cells)) {
-    const auto cells = to_number(word);
-    if (!cells || *cells <= 0) fail_usage("--cells: '" + word + "' is no number above 0");
-    study.cells.push_back(*cells);
-  }
+  study.cells = numbers_above_zero("--cells", options.cells);
+  study.courants = numbers_above_zero("--courant", options.courants);
   std::sort(study.cells.begin(), study.cells.end());
   if (!options.out.empty()) with_exit_code(no_output, [&] { const AtomicFile probe(options.out); });
   if (!options.picture.empty())
     with_exit_code(wrong_usage, [&] { require_picture_extension(options.picture); });
   const mpm::AnyProblem problem = options.problem.read();  // before any work
+  const bool fixed = std::visit(
+      [](const auto& file) { return file.problem.time.rule == mpm::StepRule::fixed; }, problem);
+  if (fixed && !study.courants.empty())
+    fail_usage(
+        "--courant: the problem's time.rule is fixed; another, as with --set "
+        "time.rule=bar_wave, makes steps of a courant number");
   if (study.cells.empty()) {
     const double own =
         1 / std::visit([](const auto& file) { return file.problem.grid.h(); }, problem);
@@ -190,10 +207,17 @@ Command add_compare(CLI::App& app) {
       ->add_option("--cells", options->cells,
                    "cells per unit length, with commas (default: the problem's, and twice that)")
       ->type_name("NUMBERS");
+  command
+      ->add_option("--courant", options->courants,
+                   "numbers of Courant, with commas: a row of each method for each (default: the "
+                   "problem's)")
+      ->type_name("NUMBERS");
   command->add_option("--out", options->out, ".csv for the table")->type_name("FILE");
   command
-      ->add_option("--picture", options->picture,
-                   ".png or .svg: an error over the cost, a point for each method")
+      ->add_option(
+          "--picture", options->picture,
+          ".png or .svg: an error over the cost, a point for each method (with the last of "
+          "--courant)")
       ->type_name("FILE");
   command
       ->add_option("--against", options->against,
