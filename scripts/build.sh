@@ -24,13 +24,16 @@ step() {
   fi
 }
 
-# Ninja and ccache are used where they are and nothing else was chosen.
+# Ninja and ccache are used where they are and nothing else was chosen. What is built for the first time is configured
+# with configure_options, an array that a script may set.
+configure_options=()
 build_preset() {
-  local preset=$1 dir=build/$1 targets=()
+  local preset=$1 dir=build/$1 targets=() options=()
   shift
   if [ $# -gt 0 ]; then targets=(--target "$@"); fi
   mkdir -p "$dir"
   if [ ! -f "$dir/CMakeCache.txt" ]; then
+    options=("${configure_options[@]}")
     if [ -z "${CMAKE_GENERATOR:-}" ] && has_command ninja; then export CMAKE_GENERATOR=Ninja; fi
     if [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ] && has_command ccache; then
       export CMAKE_CXX_COMPILER_LAUNCHER=ccache
@@ -38,7 +41,7 @@ build_preset() {
   else
     unset CMAKE_GENERATOR
   fi
-  step "Configuring $dir" "$dir/configure.log" cmake --preset "$preset" &&
+  step "Configuring $dir" "$dir/configure.log" cmake --preset "$preset" "${options[@]}" &&
     step "Building $dir on $jobs cores" "$dir/build.log" cmake --build --preset "$preset" -j "$jobs" "${targets[@]}"
 }
 

@@ -6,15 +6,15 @@
 #include <limits>
 
 #include "recon/core/error.hpp"
+#include "support/nan.hpp"
 
 namespace {
 
 using recon::FieldSet;
 using recon::InvalidArgument;
 using recon::NamedField;
+using recon::nan;
 using recon::NumberType;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(NamedField, ViewIsPointMajor) {
   const NamedField field{"v", 2, {1, 2, 3, 4}, NumberType::float64};

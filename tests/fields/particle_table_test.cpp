@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "recon/core/error.hpp"
+#include "support/nan.hpp"
 
 namespace {
 
 using recon::Box;
+using recon::nan;
 using recon::ParticleTable;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string message(const std::function<void()>& call) {
   try {

@@ -9,6 +9,7 @@
 #include "png.hpp"
 #include "recon/core/error.hpp"
 #include "recon/io/picture.hpp"
+#include "support/nan.hpp"
 #include "temporary.hpp"
 
 namespace {
@@ -17,6 +18,7 @@ using recon::GridSlice;
 using recon::HeatMap;
 using recon::HeatMapPanel;
 using recon::LinePlot;
+using recon::nan;
 using recon::StructuredGrid;
 using test::bytes_of;
 using test::decode_png;
@@ -25,7 +27,6 @@ using test::expect_invalid;
 using test::Image;
 using test::TemporaryFolder;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::size_t colours(const Image& image) {

@@ -10,11 +10,13 @@
 #include "recon/io/read.hpp"
 #include "recon/io/write.hpp"
 #include "recon/points/make_view.hpp"
+#include "support/nan.hpp"
 #include "temporary.hpp"
 
 namespace {
 
 using recon::FieldSet;
+using recon::nan;
 using recon::NumberType;
 using recon::StructuredGrid;
 using test::bytes_of;
@@ -22,7 +24,6 @@ using test::expect_file_error;
 using test::expect_invalid;
 using test::TemporaryFolder;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 const std::string hostile = "v \"a\" <b> & 'c', ; d";
 
 TEST(WriteCsv, Text) {

@@ -10,7 +10,7 @@
 namespace recon::mpm::test {
 namespace {
 
-constexpr double rounding = 1e-12;
+constexpr double rounding_of_maps = 1e-12;
 
 template <int D>
 Vector<D> random_vector(std::mt19937& random, double size = 1) {
@@ -144,9 +144,9 @@ TYPED_TEST(ConsistentMass, ProjectsByLeastSquares) {
                           residual = S.transpose() * mass * (v - S * rows<D>(nodes.mapped));
     EXPECT_LE(residual.norm(), 1e-11 * momentum.norm()) << name_of(basis);
     const Eigen::MatrixXd M = S.transpose() * mass * S;
-    EXPECT_LE((Eigen::MatrixXd(nodes.mass_matrix) - M).norm(), rounding * M.norm());
+    EXPECT_LE((Eigen::MatrixXd(nodes.mass_matrix) - M).norm(), rounding_of_maps * M.norm());
     const Eigen::VectorXd lumped = M.rowwise().sum();
-    EXPECT_LE((lumped - column(nodes.mass)).norm(), rounding * M.norm()) << name_of(basis);
+    EXPECT_LE((lumped - column(nodes.mass)).norm(), rounding_of_maps * M.norm()) << name_of(basis);
   }
 }
 
@@ -172,7 +172,7 @@ TYPED_TEST(ConsistentMass, KeepsFieldsOfItsFunctions) {
       const double lost = 1 - ledger.node_kinetic / ledger.kinetic;
       if (mass == MassMatrix::consistent) {
         EXPECT_LE(error, 1e-10) << name_of(basis);
-        EXPECT_NEAR(lost, 0, rounding) << name_of(basis);
+        EXPECT_NEAR(lost, 0, rounding_of_maps) << name_of(basis);
       } else {
         EXPECT_GE(error, 0.1) << name_of(basis);
         EXPECT_GE(std::abs(lost), 0.05) << name_of(basis);
@@ -257,7 +257,8 @@ TEST(ConsistentMassFailures, NameANode) {
       EXPECT_NE(what.find("singular"), std::string::npos) << what;
       EXPECT_NE(what.find("node " + std::to_string(failure.number())), std::string::npos) << what;
       const Vector<2> at = problem.grid.position(failure.number());
-      EXPECT_LE((at - Vector<2>(0.625, 0.625)).cwiseAbs().maxCoeff(), 0.125 + rounding) << what;
+      EXPECT_LE((at - Vector<2>(0.625, 0.625)).cwiseAbs().maxCoeff(), 0.125 + rounding_of_maps)
+          << what;
     }
   }
 }
@@ -516,8 +517,8 @@ TYPED_TEST(Quadratures, TaylorCellsConserve) {
       EXPECT_GT(full, 0);
       EXPECT_LT(static_cast<std::size_t>(full), fill.size());
       const Ledger ledger = account(simulation);
-      EXPECT_NEAR(ledger.node_mass, ledger.mass, rounding * ledger.mass);
-      EXPECT_LE(distance(ledger.node_momentum, ledger.momentum), rounding * ledger.mass);
+      EXPECT_NEAR(ledger.node_mass, ledger.mass, rounding_of_maps * ledger.mass);
+      EXPECT_LE(distance(ledger.node_momentum, ledger.momentum), rounding_of_maps * ledger.mass);
     }
 }
 
@@ -656,7 +657,7 @@ TYPED_TEST(Quadratures, TaylorCellsReproduceQuadratics) {
 // ---- stress at the centres of cells, strain as its transpose ----
 
 // The power of the nodes' forces is that of the stresses in the strains that follow,
-// sum_i f_i . v_i+ = -sum_p W_p sigma_p : L_p, to rounding, with W_p = sum_c W_cp: whatever the cloud,
+// sum_i f_i . v_i+ = -sum_p W_p sigma_p : L_p, to rounding_of_maps, with W_p = sum_c W_cp: whatever the cloud,
 // at walls and at free surfaces. Where the strain is not the transpose, as in impm, it is not.
 TYPED_TEST(Quadratures, OfAdjointCellsAreTransposes) {
   constexpr int D = TypeParam::value;
@@ -809,7 +810,8 @@ TYPED_TEST(SlopeMaps, KeepMomentum) {
     Simulation<D> simulation(problem);
     simulation.map();
     const Ledger ledger = account(simulation);
-    EXPECT_LE(distance(ledger.momentum, ledger.node_momentum), rounding * ledger.mass) << name;
+    EXPECT_LE(distance(ledger.momentum, ledger.node_momentum), rounding_of_maps * ledger.mass)
+        << name;
   }
 }
 

@@ -8,7 +8,7 @@
 namespace recon::mpm::test {
 namespace {
 
-constexpr double rounding = 1e-13;
+constexpr double rounding_of_shapes = 1e-13;
 
 template <class T>
 class Shapes : public testing::Test {};
@@ -37,8 +37,8 @@ TYPED_TEST(Shapes, BoxesAreKeptOrStretched) {
     ASSERT_EQ(shape.size(), expected.size());
     for (std::size_t k = 0; k < shape.size(); ++k) {
       EXPECT_EQ(shape.node[k], expected.node[k]);
-      EXPECT_NEAR(shape.S[k], expected.S[k], rounding);
-      EXPECT_LE((shape.G[k] - expected.G[k]).norm(), 1000 * rounding);
+      EXPECT_NEAR(shape.S[k], expected.S[k], rounding_of_shapes);
+      EXPECT_LE((shape.G[k] - expected.G[k]).norm(), 1000 * rounding_of_shapes);
     }
   };
   for (std::size_t p = 0; p < particles.size(); ++p) {
@@ -81,7 +81,7 @@ TYPED_TEST(Shapes, SeeTheNodesThatTheyAnnounce) {
             EXPECT_LE(node[d], grid.node(rows.second, d)) << name;
           }
         }
-        EXPECT_LE((centroid - particles.x[p]).norm(), rounding) << name;
+        EXPECT_LE((centroid - particles.x[p]).norm(), rounding_of_shapes) << name;
       }
     });
 }
@@ -97,7 +97,8 @@ TYPED_TEST(Shapes, VolumesAreOfNow) {
   const double volume = std::pow(0.125, D);
   NodeFunctions<D> shape;
   const auto check = [&](const auto& policy, const char* name) {
-    EXPECT_NEAR(policy.shape(grid, particles, 0, shape), volume, 100 * rounding * volume) << name;
+    EXPECT_NEAR(policy.shape(grid, particles, 0, shape), volume, 100 * rounding_of_shapes * volume)
+        << name;
   };
   check(PointShape<LinearFunctions>{}, "point");
   check(PointShape<NineNodeFunctions>{}, "q9");
@@ -131,7 +132,7 @@ TEST(Cpdi2Move, CornersFollowTheGridAndTheParticleItsCentroid) {
   Cpdi2::move<2>(grid, particles, 0, velocity, dt);
   const auto& now = particles.corners[0];
   for (std::size_t a = 0; a < 4; ++a)
-    EXPECT_LE((now[a] - before[a] - dt * velocity_at(before[a])).norm(), rounding);
+    EXPECT_LE((now[a] - before[a] - dt * velocity_at(before[a])).norm(), rounding_of_shapes);
   double area = 0;
   Vector<2> centroid = Vector<2>::Zero();
   for (const std::size_t a : {std::size_t{1}, std::size_t{2}}) {  // 0 1 3 and 0 3 2
@@ -141,7 +142,7 @@ TEST(Cpdi2Move, CornersFollowTheGridAndTheParticleItsCentroid) {
     area += part;
     centroid += part * (now[0] + b + c) / 3;
   }
-  EXPECT_LE((particles.x[0] - centroid / area).norm(), rounding);
+  EXPECT_LE((particles.x[0] - centroid / area).norm(), rounding_of_shapes);
 }
 
 TEST(Elements, NeedAnEvenNumberOfCells) {

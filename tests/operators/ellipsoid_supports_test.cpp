@@ -11,6 +11,7 @@
 #include "support/derivative.hpp"
 #include "support/invariants.hpp"
 #include "support/message_of.hpp"
+#include "support/solvers.hpp"
 #include "support/tensors.hpp"
 #include "support/typed.hpp"
 
@@ -19,10 +20,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using F = Functional;
-
-constexpr std::array all_solvers{Solver::moment_matrix, Solver::gram_schmidt, Solver::qr,
-                                 Solver::svd};
-constexpr std::array all_forms{WeightForm::radial, WeightForm::tensor_product};
 
 template <class Scalar, int D>
 struct Clouds {

@@ -14,7 +14,7 @@
 namespace recon::testing {
 namespace {
 
-constexpr std::array solvers{Solver::moment_matrix, Solver::gram_schmidt};
+constexpr std::array lane_solvers{Solver::moment_matrix, Solver::gram_schmidt};
 
 template <class C>
 class InstructionSets : public ::testing::Test {};
@@ -26,7 +26,7 @@ TYPED_TEST(InstructionSets, ReproduceOnEveryCloud) {
   for (const InstructionSet set : available_instruction_sets())
     for (const auto& cloud : hostile_clouds<Scalar, D>()) {
       const auto targets = hostile_targets<Scalar, D>(cloud.points);
-      for (const Solver solver : solvers)
+      for (const Solver solver : lane_solvers)
         for (const NeighbourRule& rule : {NeighbourRule(Radius{0.3}), NeighbourRule(Nearest{9})})
           for (int degree = 0; degree <= 4; ++degree) {
             Options options{.degree = degree, .neighbours = rule, .solver = solver};
@@ -62,7 +62,7 @@ TYPED_TEST(InstructionSets, AgreeWithSingleTargets) {
         return most;
       };
       for (const InstructionSet set : available_instruction_sets())
-        for (const Solver solver : solvers) {
+        for (const Solver solver : lane_solvers) {
           options.solver = solver;
           options.instruction_set = set;
           const BasicReconstruction<Scalar> fit(points_of(points), points_of(targets), options);
@@ -94,7 +94,7 @@ TYPED_TEST(InstructionSets, LanesDoNotSeeEachOther) {
   auto targets = random_points<Scalar, D>(40, 2);
   for (Scalar& c : targets[7]) c = 30;
   for (const InstructionSet set : available_instruction_sets())
-    for (const Solver solver : solvers) {
+    for (const Solver solver : lane_solvers) {
       Options options{.degree = 2, .neighbours = Radius{0.25}, .solver = solver};
       options.instruction_set = set;
       const BasicReconstruction<Scalar> together(points_of(points), points_of(targets), options);

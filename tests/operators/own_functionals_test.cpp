@@ -11,6 +11,7 @@
 #include "support/clouds.hpp"
 #include "support/invariants.hpp"
 #include "support/message_of.hpp"
+#include "support/solvers.hpp"
 #include "support/typed.hpp"
 
 namespace recon::testing {
@@ -21,9 +22,6 @@ using ::testing::HasSubstr;
 using F = Functional;
 using Powers = Functional::Powers;
 using Offset = Functional::Offset;
-
-constexpr Solver all_solvers[] = {Solver::moment_matrix, Solver::gram_schmidt, Solver::qr,
-                                  Solver::svd};
 
 template <int D>
 Offset padded(const std::array<double, D>& x) {

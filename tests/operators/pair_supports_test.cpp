@@ -10,14 +10,11 @@
 #include "support/derivative.hpp"
 #include "support/invariants.hpp"
 #include "support/message_of.hpp"
+#include "support/solvers.hpp"
 #include "support/typed.hpp"
 
 namespace recon::testing {
 namespace {
-
-constexpr std::array all_solvers{Solver::moment_matrix, Solver::gram_schmidt, Solver::qr,
-                                 Solver::svd};
-constexpr std::array all_forms{WeightForm::radial, WeightForm::tensor_product};
 
 std::vector<double> radii_between(std::size_t count, double least, double largest,
                                   std::uint64_t seed) {

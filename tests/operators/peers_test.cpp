@@ -5,12 +5,11 @@
 #include "recon/basis/monomials.hpp"
 #include "recon/points/generate.hpp"
 #include "recon/recon.hpp"
+#include "support/solvers.hpp"
 #include "support/typed.hpp"
 
 namespace recon::testing {
 namespace {
-
-constexpr std::array solvers{Solver::moment_matrix, Solver::gram_schmidt, Solver::qr, Solver::svd};
 
 template <class C>
 class PeerFailures : public ::testing::Test {};
@@ -49,7 +48,7 @@ TYPED_TEST(PeerFailures, ConstantSurvivesBesideALine) {
   }
   const auto ten = sample<Scalar, D>(points, [](const auto&) { return 10; });
   const auto linear = sample<Scalar, D>(points, [](const auto& x) { return 1 + 2 * x[0]; });
-  for (const Solver solver : solvers)
+  for (const Solver solver : all_solvers)
     for (int degree = 0; degree <= 4; ++degree)
       for (const NeighbourRule& rule : {NeighbourRule(Radius{1}), NeighbourRule(Nearest{9})}) {
         const BasicReconstruction<Scalar> fit(
@@ -75,7 +74,7 @@ TYPED_TEST(PeerFailures, FewerNeighboursThanTerms) {
   constexpr int D = TypeParam::D;
   const auto points = random_points<Scalar, D>(50, 1), targets = random_points<Scalar, D>(20, 2);
   const auto u = sample<Scalar, D>(points, [](const auto& x) { return smooth<Scalar, D>(x); });
-  for (const Solver solver : solvers)
+  for (const Solver solver : all_solvers)
     for (int degree = 1; degree <= 4; ++degree)
       for (std::size_t k = 1; k < static_cast<std::size_t>(monomial_count(D, degree)); ++k) {
         const BasicReconstruction<Scalar> fit(
@@ -133,7 +132,7 @@ TYPED_TEST(PeerFailures, CollinearSupportIsFinite) {
   PointList<Scalar, D> targets(2);
   targets[0].fill(Scalar(0.4));
   targets[1].fill(Scalar(0.61));
-  for (const Solver solver : solvers) {
+  for (const Solver solver : all_solvers) {
     const BasicReconstruction<Scalar> fit(
         points_of(points), points_of(targets),
         {.degree = 2, .neighbours = Radius{0.5}, .solver = solver});
@@ -157,7 +156,7 @@ TYPED_TEST(PeerFailures, UnitOfLengthDoesNotDecideRank) {
     for (auto* list : {&points, &targets})
       for (auto& x : *list)
         for (Scalar& c : x) c = static_cast<Scalar>(c * unit);
-    for (const Solver solver : solvers) {
+    for (const Solver solver : all_solvers) {
       const BasicReconstruction<Scalar> fit(
           points_of(points), points_of(targets),
           {.degree = 2, .neighbours = Radius{0.45 * unit}, .solver = solver});
@@ -178,7 +177,7 @@ TYPED_TEST(PeerFailures, FarFromTheOrigin) {
       for (Scalar& c : x) c = static_cast<Scalar>(c + far);
   const auto u = sample<Scalar, D>(
       points, [far](const auto& x) { return 3 * (x[0] - far) + (x[D - 1] - far) * (x[0] - far); });
-  for (const Solver solver : solvers) {
+  for (const Solver solver : all_solvers) {
     const BasicReconstruction<Scalar> fit(
         points_of(points), points_of(targets),
         {.degree = 2, .neighbours = Radius{0.45}, .solver = solver});
@@ -201,7 +200,7 @@ TYPED_TEST(PeerFailures, SingularMomentMatrixIsNoticed) {
   targets[1].fill(Scalar(0.45));
   std::vector<Scalar> u(30, Scalar(7));
   for (int i = 0; i < 30; ++i) u[i] += Scalar(i % 2);  // mean 7.5
-  for (const Solver solver : solvers)
+  for (const Solver solver : all_solvers)
     for (int degree = 0; degree <= 4; ++degree) {
       const BasicReconstruction<Scalar> fit(
           points_of(one_place), points_of(targets),

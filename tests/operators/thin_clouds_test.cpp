@@ -4,13 +4,12 @@
 #include "recon/recon.hpp"
 #include "support/clouds.hpp"
 #include "support/invariants.hpp"
+#include "support/solvers.hpp"
 #include "support/typed.hpp"
 
 namespace recon::testing {
 namespace {
 
-constexpr Solver all_solvers[] = {Solver::moment_matrix, Solver::gram_schmidt, Solver::qr,
-                                  Solver::svd};
 constexpr double data_noise = 1e-3;
 
 // 20 x 20 particles near z = height(x, y), moved by up to `noise` along z, with u = x + noise.

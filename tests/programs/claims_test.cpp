@@ -14,6 +14,7 @@
 #include "programs/recon-mpm/judge.hpp"
 #include "programs/run_program.hpp"
 #include "recon/core/error.hpp"
+#include "support/nan.hpp"
 
 namespace recon::test {
 namespace {
@@ -22,8 +23,6 @@ using namespace recon::program;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 const ClaimList& claims() {
   static const ClaimList list = read_claims(claim_texts());

@@ -54,7 +54,7 @@ end = 0.01
 frames = 1
 )";
 
-std::string with(const std::string& from, const std::string& to) {
+std::string changed(const std::string& from, const std::string& to) {
   std::string text = base;
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -116,7 +116,7 @@ TEST_F(MpmCheckpoint, BelongsToItsProblem) {
   for (const char* setting : {"title=u", "threads=2", "end=3", "rule=p_wave", "courant=0.1",
                               "frames=7", "ledger=false", "output.fields=[]"})
     EXPECT_EQ(refusal(base, {setting}), "") << setting;
-  EXPECT_EQ(refusal(with("[\"A\", 0]", "[\"A\", 0.0]")), "");
+  EXPECT_EQ(refusal(changed("[\"A\", 0]", "[\"A\", 0.0]")), "");
 
   struct Case {
     const char *setting, *difference;
@@ -151,16 +151,17 @@ TEST_F(MpmCheckpoint, BelongsToItsProblem) {
         << setting;
 
   EXPECT_THAT(
-      refusal(with("[[boundary]]",
-                   "[[pressure]]\nside = \"x_upper\"\nmagnitude = \"2 * t\"\n[[boundary]]")),
+      refusal(changed("[[boundary]]",
+                      "[[pressure]]\nside = \"x_upper\"\nmagnitude = \"2 * t\"\n[[boundary]]")),
       HasSubstr("the number of loaded particles is 0 in the checkpoint, 4 now"));
-  EXPECT_THAT(refusal(with("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"", "")),
+  EXPECT_THAT(refusal(changed("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"", "")),
               HasSubstr("the number of boundaries is 1 in the checkpoint, 0 now"));
   // The same particles as two bodies.
-  EXPECT_THAT(refusal(with("upper = [0.75, 0.75]\nvelocity = [\"A\", 0]",
-                           "upper = [0.5, 0.75]\nvelocity = [\"A\", 0]\n[[body]]\nshape = \"box\"\n"
-                           "lower = [0.5, 0.25]\nupper = [0.75, 0.75]")),
-              HasSubstr("the number of bodies is 1 in the checkpoint, 2 now"));
+  EXPECT_THAT(
+      refusal(changed("upper = [0.75, 0.75]\nvelocity = [\"A\", 0]",
+                      "upper = [0.5, 0.75]\nvelocity = [\"A\", 0]\n[[body]]\nshape = \"box\"\n"
+                      "lower = [0.5, 0.25]\nupper = [0.75, 0.75]")),
+      HasSubstr("the number of bodies is 1 in the checkpoint, 2 now"));
   Simulation<1> other(block<1>(10, 0.2, 0.4));
   try {
     read_checkpoint(path(), other, {});
@@ -172,8 +173,8 @@ TEST_F(MpmCheckpoint, BelongsToItsProblem) {
 
 // Numbers of loads count, and formulas that no number shows.
 TEST_F(MpmCheckpoint, LoadsAndSolutionsCount) {
-  const std::string pressed =
-      with("[[boundary]]", "[[pressure]]\nside = \"x_upper\"\nmagnitude = \"2 * t\"\n[[boundary]]");
+  const std::string pressed = changed(
+      "[[boundary]]", "[[pressure]]\nside = \"x_upper\"\nmagnitude = \"2 * t\"\n[[boundary]]");
   write(pressed, {});
   EXPECT_EQ(refusal(pressed), "");
   EXPECT_THAT(refusal(pressed, {"pressure.magnitude=3"}),

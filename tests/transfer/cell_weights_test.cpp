@@ -10,7 +10,7 @@
 namespace recon::test {
 namespace {
 
-constexpr double rounding = 1e-12;
+constexpr double rounding_of_weights = 1e-12;
 
 // Particles that are not regular in [lower, 1]^D, about 3^D in a cell.
 template <int D>
@@ -69,7 +69,7 @@ TYPED_TEST(CellWeightsOf, FitInsideAndSumAtBorders) {
                             place[c] += weight * cloud.places[p];
                           });
         if (none) {
-          EXPECT_NEAR(sum, cloud.volumes[p], rounding * cloud.volumes[p]);
+          EXPECT_NEAR(sum, cloud.volumes[p], rounding_of_weights * cloud.volumes[p]);
         }
       }
       const double V = std::pow(grid.h(), D);
@@ -78,8 +78,8 @@ TYPED_TEST(CellWeightsOf, FitInsideAndSumAtBorders) {
         const bool inside = centre.minCoeff() > lower + (lower > 0 ? grid.h() : 0);
         EXPECT_EQ(fitted[c], inside ? 1 : 0);
         if (!inside) continue;
-        EXPECT_NEAR(volume[c], V, rounding * V);
-        EXPECT_LE((place[c] / V - centre).norm(), rounding);
+        EXPECT_NEAR(volume[c], V, rounding_of_weights * V);
+        EXPECT_LE((place[c] / V - centre).norm(), rounding_of_weights);
       }
     }
 }
@@ -110,7 +110,7 @@ TYPED_TEST(CellWeightsOf, GradientsAreThoseOfTheCells) {
       SpaceMatrix<D> slope = SpaceMatrix<D>::Zero();
       for (std::size_t k = 0; k < at.size(); ++k)
         slope += grid.position(at.node[k]) * at.G[k].transpose();
-      EXPECT_LE((slope - SpaceMatrix<D>::Identity()).norm(), rounding);
+      EXPECT_LE((slope - SpaceMatrix<D>::Identity()).norm(), rounding_of_weights);
     }
     LinearFunctions::Nodes<D> linear;
     double of_nodes = 0;
@@ -120,10 +120,10 @@ TYPED_TEST(CellWeightsOf, GradientsAreThoseOfTheCells) {
       linear.add_gradient(of_cells, SpaceMatrix<D>(-cell_stress[c]));
     }
     for (std::size_t i = 0; i < grid.size(); ++i) {
-      EXPECT_LE((force[i] - of_cells[i]).norm(), rounding);
+      EXPECT_LE((force[i] - of_cells[i]).norm(), rounding_of_weights);
       of_nodes += of_cells[i].dot(v[i]);
     }
-    EXPECT_NEAR(of_nodes, power, rounding);
+    EXPECT_NEAR(of_nodes, power, rounding_of_weights);
   };
   for (const double lower : {0.0, 2.0 / 7}) {
     check(CellFunctions<1>{}, 1, lower);

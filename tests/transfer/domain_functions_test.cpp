@@ -10,7 +10,7 @@
 namespace recon::test {
 namespace {
 
-constexpr double rounding = 1e-13;
+constexpr double rounding_of_domains = 1e-13;
 
 template <class T>
 class Domains : public ::testing::Test {};
@@ -36,10 +36,11 @@ void expect_linear_completeness(const Functions& functions, const CartesianGrid<
     }
   }
   const auto place = [&](std::uint32_t i) { return grid.position(i); };
-  EXPECT_NEAR(sum, 1, rounding) << name;
-  EXPECT_LE(slope.norm() * grid.h(), rounding) << name;
-  EXPECT_LE((shape.value(place) - centroid).norm(), rounding) << name;
-  EXPECT_LE((shape.gradient(place) - SpaceMatrix<D>::Identity()).norm(), 100 * rounding) << name;
+  EXPECT_NEAR(sum, 1, rounding_of_domains) << name;
+  EXPECT_LE(slope.norm() * grid.h(), rounding_of_domains) << name;
+  EXPECT_LE((shape.value(place) - centroid).norm(), rounding_of_domains) << name;
+  EXPECT_LE((shape.gradient(place) - SpaceMatrix<D>::Identity()).norm(), 100 * rounding_of_domains)
+      << name;
 }
 
 // Anywhere in the grid, also at its faces, whatever the deformation.
@@ -94,12 +95,12 @@ TYPED_TEST(Domains, Cpdi2OfAParallelepipedIsCpdi1) {
     Cpdi2Functions::at(grid, cell, two);
     ASSERT_EQ(one.size(), two.size());
     for (std::size_t k = 0; k < one.size(); ++k) {
-      EXPECT_NEAR(one.S[k], two.S[k], rounding);
-      EXPECT_LE((one.G[k] - two.G[k]).norm(), 1000 * rounding);
+      EXPECT_NEAR(one.S[k], two.S[k], rounding_of_domains);
+      EXPECT_LE((one.G[k] - two.G[k]).norm(), 1000 * rounding_of_domains);
     }
     const double volume = (1 << D) * domain.half_edges.determinant();
-    EXPECT_NEAR(cell.volume, volume, rounding * volume * 100);
-    EXPECT_LE((cell.centroid() - domain.x).norm(), rounding);
+    EXPECT_NEAR(cell.volume, volume, rounding_of_domains * volume * 100);
+    EXPECT_LE((cell.centroid() - domain.x).norm(), rounding_of_domains);
   }
 }
 
@@ -170,8 +171,8 @@ TEST(Gimp, ClosedForm) {
     GimpFunctions::at(grid, {SpaceVector<1>(x), SpaceVector<1>(l)}, shape);
     for (std::size_t k = 0; k < shape.size(); ++k) {
       const double s = x - grid.position(shape.node[k])[0];
-      EXPECT_NEAR(shape.S[k], S(s), rounding);
-      EXPECT_NEAR(shape.G[k][0], slope(s), 100 * rounding);
+      EXPECT_NEAR(shape.S[k], S(s), rounding_of_domains);
+      EXPECT_NEAR(shape.G[k][0], slope(s), 100 * rounding_of_domains);
     }
   }
 }
@@ -192,18 +193,18 @@ TEST(Cpdi2Cell, ClosedForms) {
     const double area = (cross(x3 - x1, x4 - x2)) / 2;
     const double a = (x4 - x1)[0] * (x2 - x3)[1] - (x2 - x3)[0] * (x4 - x1)[1];
     const double b = (x3 - x4)[0] * (x1 - x2)[1] - (x1 - x2)[0] * (x3 - x4)[1];
-    EXPECT_NEAR(cell.volume, area, rounding);
-    EXPECT_NEAR(cell.weight[0], (6 * area - a - b) / (24 * area), rounding);
-    EXPECT_NEAR(cell.weight[1], (6 * area - a + b) / (24 * area), rounding);
-    EXPECT_NEAR(cell.weight[3], (6 * area + a + b) / (24 * area), rounding);
-    EXPECT_NEAR(cell.weight[2], (6 * area + a - b) / (24 * area), rounding);
+    EXPECT_NEAR(cell.volume, area, rounding_of_domains);
+    EXPECT_NEAR(cell.weight[0], (6 * area - a - b) / (24 * area), rounding_of_domains);
+    EXPECT_NEAR(cell.weight[1], (6 * area - a + b) / (24 * area), rounding_of_domains);
+    EXPECT_NEAR(cell.weight[3], (6 * area + a + b) / (24 * area), rounding_of_domains);
+    EXPECT_NEAR(cell.weight[2], (6 * area + a - b) / (24 * area), rounding_of_domains);
     const auto slope = [&](const SpaceVector<2>& from, const SpaceVector<2>& to) {
       return SpaceVector<2>(SpaceVector<2>((from - to)[1], (to - from)[0]) / (2 * area));
     };
-    EXPECT_LE((cell.slope[0] - slope(x2, x4)).norm(), 10 * rounding);
-    EXPECT_LE((cell.slope[1] - slope(x3, x1)).norm(), 10 * rounding);
-    EXPECT_LE((cell.slope[3] - slope(x4, x2)).norm(), 10 * rounding);
-    EXPECT_LE((cell.slope[2] - slope(x1, x3)).norm(), 10 * rounding);
+    EXPECT_LE((cell.slope[0] - slope(x2, x4)).norm(), 10 * rounding_of_domains);
+    EXPECT_LE((cell.slope[1] - slope(x3, x1)).norm(), 10 * rounding_of_domains);
+    EXPECT_LE((cell.slope[3] - slope(x4, x2)).norm(), 10 * rounding_of_domains);
+    EXPECT_LE((cell.slope[2] - slope(x1, x3)).norm(), 10 * rounding_of_domains);
   }
 }
 

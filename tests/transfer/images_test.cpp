@@ -16,7 +16,7 @@ using test::AllDimensions;
 using test::uniform;
 
 template <class T>
-class MirroredFields : public testing::Test {};
+class MirroredFields : public ::testing::Test {};
 TYPED_TEST_SUITE(MirroredFields, AllDimensions);
 
 // A vector field and a tensor field that are symmetric in the planes x_d = 0 of all axes: made of a

@@ -12,7 +12,7 @@
 namespace recon::test {
 namespace {
 
-constexpr double rounding = 1e-13;
+constexpr double rounding_of_modes = 1e-13;
 
 template <class T>
 class Modes : public ::testing::Test {};
@@ -54,13 +54,13 @@ TYPED_TEST(Modes, AreOrthogonal) {
           if (modes.norm(r) == 0) continue;
           double mean = 0;
           for (std::size_t n = 0; n < at.size(); ++n) mean += at.S[n] * modes.value(r, n);
-          EXPECT_LE(std::abs(mean), rounding) << name;
+          EXPECT_LE(std::abs(mean), rounding_of_modes) << name;
           for (int q = 0; q <= r; ++q) {
             if (modes.norm(q) == 0) continue;
             double sum = 0;
             for (std::size_t n = 0; n < at.size(); ++n)
               sum += at.S[n] * modes.value(r, n) * modes.value(q, n);
-            EXPECT_NEAR(sum, q == r ? modes.norm(r) : 0, rounding) << name << r << q;
+            EXPECT_NEAR(sum, q == r ? modes.norm(r) : 0, rounding_of_modes) << name << r << q;
           }
         }
       }
@@ -76,14 +76,14 @@ TEST(ModesOfSplines, AreThoseOfTheSources) {
     const SpaceVector<1> place(x);
     const Around two(SplineFunctions<2>{}, grid, place, ModeSet::polynomial);
     const Around three(SplineFunctions<3>{}, grid, place, ModeSet::affine);
-    EXPECT_NEAR(two.modes.norm(0), h * h / 4, rounding);
-    EXPECT_NEAR(three.modes.norm(0), h * h / 3, rounding);
+    EXPECT_NEAR(two.modes.norm(0), h * h / 4, rounding_of_modes);
+    EXPECT_NEAR(three.modes.norm(0), h * h / 3, rounding_of_modes);
     const double z = x - h * std::round(x / h);
     const double kappa = z * (h * h - 4 * z * z) / (h * h);
     for (std::size_t n = 0; n < two.at.size(); ++n) {
       const double d = grid.position(two.at.node[n])[0] - x;
-      EXPECT_NEAR(two.modes.value(0, n), d, rounding);
-      EXPECT_NEAR(two.modes.value(1, n), d * d - kappa * d - h * h / 4, rounding);
+      EXPECT_NEAR(two.modes.value(0, n), d, rounding_of_modes);
+      EXPECT_NEAR(two.modes.value(1, n), d * d - kappa * d - h * h / 4, rounding_of_modes);
     }
     const Around linear(LinearFunctions{}, grid, place, ModeSet::polynomial);
     EXPECT_EQ(linear.modes.norm(1), 0);
@@ -110,7 +110,7 @@ TYPED_TEST(Modes, ApproximateNodalData) {
       const Around around(functions, grid, random_point<D>(random, 0.01, 0.99), set);
       for (int d = 0; d < D; ++d)
         EXPECT_NEAR(around.modes.coefficient(linear_mode(set, d), around.at, linear), slope[d],
-                    1000 * rounding)
+                    1000 * rounding_of_modes)
             << name;
     }
   });
@@ -161,7 +161,7 @@ TYPED_TEST(Modes, OfDomainsKeepLinearFields) {
     for (std::size_t n = 0; n < at.size(); ++n)
       EXPECT_LE((shown[n] - linear[at.node[n]]).norm(), 1e-9) << name;
     modes.coefficients(at, any, c);
-    EXPECT_LE((modes.moment(c) - moment_of(at, x, modes, c)).norm(), rounding) << name;
+    EXPECT_LE((modes.moment(c) - moment_of(at, x, modes, c)).norm(), rounding_of_modes) << name;
   };
   for (int round = 0; round < 20; ++round) {
     const SpaceVector<D> x = random_point<D>(random, 0.2, 0.8);
@@ -178,7 +178,7 @@ TYPED_TEST(Modes, OfDomainsKeepLinearFields) {
       for (int r = 0; r < around.modes.count(); ++r)
         EXPECT_EQ(c[r], around.modes.coefficient(r, around.at, any));
       EXPECT_LE((around.modes.moment(c) - moment_of(around.at, x, around.modes, c)).norm(),
-                rounding);
+                rounding_of_modes);
     }
   }
 }

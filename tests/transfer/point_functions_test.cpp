@@ -13,7 +13,7 @@
 namespace recon::test {
 namespace {
 
-constexpr double rounding = 1e-13;
+constexpr double rounding_of_points = 1e-13;
 
 // S and G of all nodes of the grid at a point.
 template <int D>
@@ -74,7 +74,7 @@ TYPED_TEST(Bases, GradientsAreSlopesOfTheValues) {
   });
 }
 
-// Exactly on an edge of a cell, or by rounding beside it, a node that sees a gradient has some of
+// Exactly on an edge of a cell, or by rounding_of_points beside it, a node that sees a gradient has some of
 // the point's mass: the force on it would have nothing to push otherwise.
 TYPED_TEST(Bases, NodesWithASlopeHaveAValueOnEdges) {
   constexpr int D = TypeParam::value;
@@ -106,11 +106,12 @@ TYPED_TEST(Bases, OneCellIsEnoughForSplines) {
     const SpaceVector<D> x = random_point<D>(random);
     const Functions linear(LinearFunctions{}, grid, x), quadratic(SplineFunctions<2>{}, grid, x),
         cubic(SplineFunctions<3>{}, grid, x);
-    EXPECT_LE((quadratic.S - linear.S).norm() + (cubic.S - linear.S).norm(), rounding);
-    EXPECT_LE((quadratic.G - linear.G).norm() + (cubic.G - linear.G).norm(), 10 * rounding);
+    EXPECT_LE((quadratic.S - linear.S).norm() + (cubic.S - linear.S).norm(), rounding_of_points);
+    EXPECT_LE((quadratic.G - linear.G).norm() + (cubic.G - linear.G).norm(),
+              10 * rounding_of_points);
     const Functions one(CellFunctions<1>{}, grid, x), two(CellFunctions<2>{}, grid, x);
-    EXPECT_LE((one.S - linear.S).norm() + (two.S - linear.S).norm(), rounding);
-    EXPECT_LE((one.G - linear.G).norm() + (two.G - linear.G).norm(), 10 * rounding);
+    EXPECT_LE((one.S - linear.S).norm() + (two.S - linear.S).norm(), rounding_of_points);
+    EXPECT_LE((one.G - linear.G).norm() + (two.G - linear.G).norm(), 10 * rounding_of_points);
   }
 }
 
@@ -137,9 +138,9 @@ TYPED_TEST(Bases, CellFunctionsGoThroughTheCells) {
         sum.S += k * linear.S;
         sum.G += k * linear.G;
       }
-      EXPECT_NEAR(sum.S.sum(), 1, rounding);
-      EXPECT_LE((at.S - sum.S).norm(), rounding);
-      EXPECT_LE((at.G - sum.G).norm() * h, 10 * rounding);
+      EXPECT_NEAR(sum.S.sum(), 1, rounding_of_points);
+      EXPECT_LE((at.S - sum.S).norm(), rounding_of_points);
+      EXPECT_LE((at.G - sum.G).norm() * h, 10 * rounding_of_points);
     }
   };
   check(CellFunctions<1>{}, BSpline<1>{}, 1.0, 1.0);
@@ -154,8 +155,8 @@ TEST(CellFunctionsOnALine, HaveTheSlopesOfSplines) {
     const SpaceVector<1> x = random_point<1>(random);
     const Functions one(CellFunctions<1>{}, grid, x), two(CellFunctions<2>{}, grid, x),
         quadratic(SplineFunctions<2>{}, grid, x), cubic(SplineFunctions<3>{}, grid, x);
-    EXPECT_LE((one.G - quadratic.G).norm(), 100 * rounding);
-    EXPECT_LE((two.G - cubic.G).norm(), 100 * rounding);
+    EXPECT_LE((one.G - quadratic.G).norm(), 100 * rounding_of_points);
+    EXPECT_LE((two.G - cubic.G).norm(), 100 * rounding_of_points);
   }
 }
 
@@ -174,7 +175,7 @@ TYPED_TEST(Bases, SplinesArePositiveAndInterpolateAtFaces) {
         const Functions at(policy, grid, x);
         for (std::size_t i = 0; i < grid.size(); ++i)
           if (std::abs(grid.position(i)[axis] - face) > 0.5 * grid.h()) {
-            EXPECT_NEAR(at.S[static_cast<Eigen::Index>(i)], 0, rounding);
+            EXPECT_NEAR(at.S[static_cast<Eigen::Index>(i)], 0, rounding_of_points);
           }
       }
     };
@@ -248,8 +249,8 @@ TEST(Splines, AreThoseOfTheSource) {
     const Functions two(SplineFunctions<2>{}, line, SpaceVector<1>(x)),
         three(SplineFunctions<3>{}, line, SpaceVector<1>(x));
     for (int i = 0; i <= 8; ++i) {
-      EXPECT_NEAR(two.S[i], quadratic(8 * x - i), rounding);
-      EXPECT_NEAR(three.S[i], cubic(8 * x - i), rounding);
+      EXPECT_NEAR(two.S[i], quadratic(8 * x - i), rounding_of_points);
+      EXPECT_NEAR(three.S[i], cubic(8 * x - i), rounding_of_points);
     }
   }
   const auto product = [](double xi, double eta, int number) {
@@ -268,13 +269,13 @@ TEST(Splines, AreThoseOfTheSource) {
     const Functions at(SplineFunctions<3>{}, plane, SpaceVector<2>((3 + xi) / 8, (4 + eta) / 8));
     for (int number = 1; number <= 16; ++number) {
       const std::uint32_t node = plane.number({2 + (number - 1) / 4, 3 + (number - 1) % 4});
-      EXPECT_NEAR(at.S[node], product(xi, eta, number), rounding);
+      EXPECT_NEAR(at.S[node], product(xi, eta, number), rounding_of_points);
     }
   }
 }
 
 // Inside the grid they are the weights of weights/ at q = |x - x_i| / rho, rho = (P + 1) h / 2, up
-// to rounding: the closed forms here keep one rounding less.
+// to rounding_of_points: the closed forms here keep one rounding_of_points less.
 TEST(Splines, AreTheWeightsOfThatDegree) {
   const CartesianGrid<1> line = unit_grid<1>(8);
   const auto check = [&]<int P>(std::integral_constant<int, P>) {
@@ -302,9 +303,9 @@ TEST(Splines, LoseTheExtraColumn) {
     const double three = near < 1 ? (1 - near) * (1 - near) * (1 - near) / 6 : 0;
     const auto border = SplineBorder::extra_column;
     EXPECT_NEAR(Functions(SplineFunctions<2>{{border}}, grid, SpaceVector<1>(s / 8)).S.sum(),
-                1 - two, rounding);
+                1 - two, rounding_of_points);
     EXPECT_NEAR(Functions(SplineFunctions<3>{{border}}, grid, SpaceVector<1>(s / 8)).S.sum(),
-                1 - three, rounding);
+                1 - three, rounding_of_points);
   }
 }
 
@@ -318,9 +319,9 @@ TEST(Splines, OnLinearCellsReproduceLinearFields) {
     for (double x = 0; x < 1; x += 0.0173) {
       const auto check = [&](const auto& policy) {
         const Functions at(policy, grid, SpaceVector<1>(x));
-        EXPECT_NEAR(at.S.sum(), 1, rounding);
-        EXPECT_NEAR(at.S.dot(place), x, rounding);
-        EXPECT_NEAR(at.G.col(0).dot(place), 1, 10 * rounding);
+        EXPECT_NEAR(at.S.sum(), 1, rounding_of_points);
+        EXPECT_NEAR(at.S.dot(place), x, rounding_of_points);
+        EXPECT_NEAR(at.G.col(0).dot(place), 1, 10 * rounding_of_points);
       };
       check(SplineFunctions<2>{{border}});
       check(SplineFunctions<3>{{border}});
@@ -369,7 +370,7 @@ TYPED_TEST(Bases, NineNodeElementsHaveAllQuadratics) {
     const auto [field, slope] = monomial<D>({number % 3, number / 3 % 3, number / 9});
     for (int round = 0; round < 20; ++round)
       EXPECT_LE(error_of(NineNodeFunctions{}, grid, random_point<D>(random), field, slope),
-                rounding);
+                rounding_of_points);
   }
   const auto [field, slope] = monomial<D>({3, 0, 0});
   EXPECT_GE(error_of(NineNodeFunctions{}, grid, SpaceVector<D>(SpaceVector<D>::Constant(0.4)),
@@ -388,14 +389,14 @@ TEST(Elements, EightNodesHaveQuadraticsAndTwoCubics) {
     const auto [field, slope] = monomial<2>(powers);
     for (int round = 0; round < 20; ++round)
       EXPECT_LE(error_of(EightNodeFunctions{}, grid, random_point<2>(random), field, slope),
-                rounding);
+                rounding_of_points);
   }
   const Functions middle(EightNodeFunctions{},
                          CartesianGrid<2>(SpaceVector<2>(-1, -1), SpaceVector<2>(1, 1), 1),
                          SpaceVector<2>(0, 0));
   Eigen::VectorXd values(9);
   values << 1, 0, 1, 0, 0, 0, 1, 0, 1;
-  EXPECT_NEAR(middle.S.dot(values), -1, rounding);
+  EXPECT_NEAR(middle.S.dot(values), -1, rounding_of_points);
 }
 
 // The printed functions of the elements (Andersen, Andersen 2007, section 3.4), their nodes counter
@@ -424,8 +425,8 @@ TEST(Elements, AreThoseOfTheSource) {
         q9(NineNodeFunctions{}, grid, SpaceVector<2>(x, y));
     for (int n = 0; n < 9; ++n) {
       const std::uint32_t node = grid.number({place[n][0], place[n][1]});
-      EXPECT_NEAR(q8.S[node], eight[n], rounding);
-      EXPECT_NEAR(q9.S[node], nine[n], rounding);
+      EXPECT_NEAR(q8.S[node], eight[n], rounding_of_points);
+      EXPECT_NEAR(q9.S[node], nine[n], rounding_of_points);
     }
   }
 }
@@ -439,11 +440,12 @@ TYPED_TEST(Bases, ElementsInterpolateAtTheirNodes) {
       const SpaceVector<D> x = grid.position(i).array() + off;
       const Eigen::VectorXd unit = Eigen::VectorXd::Unit(static_cast<Eigen::Index>(grid.size()),
                                                          static_cast<Eigen::Index>(i));
-      EXPECT_LE((Functions(NineNodeFunctions{}, grid, x).S - unit).norm(), 10 * rounding);
+      EXPECT_LE((Functions(NineNodeFunctions{}, grid, x).S - unit).norm(), 10 * rounding_of_points);
       if constexpr (D == 2) {
         const auto index = grid.nodes().index(i);
         if (index[0] % 2 == 1 && index[1] % 2 == 1) continue;  // no node of q8
-        EXPECT_LE((Functions(EightNodeFunctions{}, grid, x).S - unit).norm(), 10 * rounding);
+        EXPECT_LE((Functions(EightNodeFunctions{}, grid, x).S - unit).norm(),
+                  10 * rounding_of_points);
       }
     }
 }
@@ -461,10 +463,10 @@ TEST(Elements, OfEightNodesHaveNegativeCorners) {
       nine += weight * Functions(NineNodeFunctions{}, grid, SpaceVector<2>(x, y)).S;
     }
   for (const int corner : {0, 2, 6, 8}) {
-    EXPECT_NEAR(eight[corner], -4.0 / 12, rounding);
-    EXPECT_NEAR(nine[corner], 4.0 / 36, rounding);
+    EXPECT_NEAR(eight[corner], -4.0 / 12, rounding_of_points);
+    EXPECT_NEAR(nine[corner], 4.0 / 36, rounding_of_points);
   }
-  for (const int side : {1, 3, 5, 7}) EXPECT_NEAR(eight[side], 4.0 / 3, rounding);
+  for (const int side : {1, 3, 5, 7}) EXPECT_NEAR(eight[side], 4.0 / 3, rounding_of_points);
 }
 
 TEST(Elements, NeedAnEvenNumberOfCells) {
@@ -493,11 +495,11 @@ TYPED_TEST(Bases, MomentGradientsAreMomentsOfTheSplines) {
   for (int round = 0; round < 50; ++round) {
     const SpaceVector<D> x = random_point<D>(random, 0.5 / 6, 5.5 / 6);
     const Functions at(MomentSplineFunctions{}, grid, x), spline(SplineFunctions<2>{}, grid, x);
-    EXPECT_LE((at.S - spline.S).norm(), rounding);
+    EXPECT_LE((at.S - spline.S).norm(), rounding_of_points);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const auto n = static_cast<Eigen::Index>(i);
       const SpaceVector<D> expected = 4 * 36 * spline.S[n] * (grid.position(i) - x);
-      EXPECT_LE((at.G.row(n).transpose() - expected).norm() * grid.h(), 10 * rounding);
+      EXPECT_LE((at.G.row(n).transpose() - expected).norm() * grid.h(), 10 * rounding_of_points);
     }
     most = std::max(most, (at.G - spline.G).norm() * grid.h());
   }

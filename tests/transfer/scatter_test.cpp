@@ -8,14 +8,13 @@
 
 #include "recon/points/make_view.hpp"
 #include "support/message_of.hpp"
+#include "support/nan.hpp"
 #include "support/space.hpp"
 
 namespace recon::test {
 namespace {
 
 using recon::testing::message_of;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 template <class T>
 class Transfer : public ::testing::Test {};
