@@ -168,16 +168,26 @@ class Filtered : public SingleMap<D> {
       std::fill(back.begin(), back.end(), Vector<D>::Zero());
       with_shape(problem.method, [&](auto shape_of) {
         using Seen = typename decltype(shape_of)::template Nodes<D>;
-        const auto rows = [&](std::size_t p) {
-          return shape_of.nodes_along(problem.grid, particles, p, D - 1);
+        // Adds what `of` see, by seen(p, their functions).
+        const auto give_back = [&](const Particles<D>& of, const auto& seen) {
+          const auto rows = [&](std::size_t p) {
+            return shape_of.nodes_along(problem.grid, of, p, D - 1);
+          };
+          scatter_by_rows<Seen>(of.size(), problem.threads, rows, [&](std::size_t p, Seen& shape) {
+            shape_of.shape(problem.grid, of, p, shape);
+            const Vector<D> v = seen(p, shape);
+            for (std::size_t k = 0; k < shape.size(); ++k)
+              back[shape.node[k]] += shape.S[k] * of.mass[p] * v;
+          });
         };
-        scatter_by_rows<Seen>(particles.size(), problem.threads, rows,
-                              [&](std::size_t p, Seen& shape) {
-                                shape_of.shape(problem.grid, particles, p, shape);
-                                const Vector<D> seen = shape.value(left, trusted);
-                                for (std::size_t k = 0; k < shape.size(); ++k)
-                                  back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen;
-                              });
+        give_back(particles, [&](std::size_t, const Seen& at) { return at.value(left, trusted); });
+        const ImageParticles<D>& images = step.nodes().images;
+        if (images.of.empty()) return;
+        give_back(images.particles, [&](std::size_t i, const Seen&) {
+          Seen at;
+          shape_of.shape(problem.grid, particles, images.of[i].of, at);
+          return images.of[i].vector(at.value(left, trusted));
+        });
       });
       for (std::size_t i = 0; i < left.size(); ++i)
         if (mass[i] != 0) left[i] -= back[i] / mass[i];

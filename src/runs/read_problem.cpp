@@ -20,6 +20,7 @@ const KnownKeys fixed_keys{
      "grid.lower",
      "grid.upper",
      "grid.cells",
+     "grid.periodic",
      "material.kind",
      "material.young",
      "material.poisson",
@@ -57,7 +58,7 @@ const KnownKeys fixed_keys{
     {"constants.*", "body.lower", "body.upper", "body.wkt", "body.file", "body.volume",
      "body.material.kind", "body.material.young", "body.material.poisson", "body.material.density",
      "damping.mass", "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity",
-     "boundary.from", "boundary.to"}};
+     "boundary.from", "boundary.to", "boundary.images"}};
 
 KnownKeys known_keys() {
   KnownKeys keys = fixed_keys;
@@ -98,7 +99,15 @@ void read_grid(ProblemReader<D>& reader) {
   const double cells = grid.number("cells");
   checked(grid, "cells", [&] {
     recon::detail::require(cells > 0, "cells per unit length", cells, "must be positive");
-    reader.problem().grid = Grid<D>(lower, upper, 1 / cells);
+    auto& periodic = reader.problem().periodic;
+    int d = 0;
+    if (grid.has("periodic"))
+      for (const toml::node* node : grid.elements("periodic", D)) {
+        if (!node->is_boolean())
+          grid.fail_at(*node, "periodic", "true or false is needed for each axis");
+        periodic[d++] = node->value_or(false);
+      }
+    reader.problem().grid = periodic_grid<D>(lower, upper, 1 / cells, periodic);
   });
   grid.finish();
 }
