@@ -153,6 +153,9 @@ Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles,
         "the first step, " + number(found.step.dt) + ", is " + number(courant) +
         " h / (c_p + |v|); the method " + problem.method.name + " is known to be stable up to " +
         number(stable) + " in " + std::to_string(D) + "-D: it may break, or gain energy");
+  if (const double slowed = problem.damping.mass * found.step.dt; slowed > 1)
+    found.warnings.push_back("damping.mass times the first step, " + number(slowed) +
+                             ", is above 1: damping reverses velocities");
   const std::string broken = caveat(problem.method);
   if (!broken.empty() &&
       (is_element(problem.method.basis) || has_empty_cells(problem, particles)))
