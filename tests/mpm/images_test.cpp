@@ -89,7 +89,17 @@ TEST(ImagesInARoller, GiveWhatTheOtherHalfOfTheBodyGives) {
       half.particles.stress[p] = Matrix<2>{{20, 5 + std::cos(p)}, {5 + std::cos(p), -10}};
       half.particles.L[p] = Matrix<2>{{0.1, 0.4}, {-0.2, std::sin(2 * p)}};
     }
+    // A load on the surface of the particle next to the plane.
+    Load<2> load{0, {0.02, 0.01}, {}, [](const LoadedPlace<2>&, double) {
+                   return Vector<2>(3, 7);
+                 }};
+    load.area.setZero();
+    half.loads = {load};
     Problem<2> whole = half;
+    load.particle = half.particles.size();
+    load.offset[0] = -0.02;
+    load.force = [](const LoadedPlace<2>&, double) { return Vector<2>(-3, 7); };
+    whole.loads.push_back(load);
     const double at = 0.837;
     half.boundaries = {wall<2>(0, at, false, true)};
     const Particles<2> one = half.particles;
