@@ -260,6 +260,30 @@ TEST(Periods, AreFlownThroughThreeTimes) {
   }
 }
 
+// Corners beyond the grid follow its outermost cells as these go on: in a linear field, which the
+// fit of improved_cpdi has at all nodes, exactly.
+TEST(CornersOfDomains, FollowTheGridBeyondItsFaces) {
+  Problem<2> problem = block<2>(4, 0, 1, "improved_cpdi");
+  Matrix<2> slope;
+  slope << 0.5, -1, 0.25, 2;
+  const auto velocity_at = [&](const Vector<2>& x) {
+    return Vector<2>(Vector<2>(1, -2) + slope * x);
+  };
+  for (std::size_t p = 0; p < problem.particles.size(); ++p)
+    problem.particles.v[p] = velocity_at(problem.particles.x[p]);
+  State<2> state = start(problem);
+  const std::size_t last = state.particles.size() - 1;
+  state.particles.corners[last][3] += Vector<2>(0.03, 0.02);
+  const auto before = state.particles.corners[last];
+  const double dt = 1e-4;
+  Step<2> step(problem);
+  step(state, dt);
+  for (std::size_t a = 0; a < 4; ++a)
+    EXPECT_LE(
+        (state.particles.corners[last][a] - before[a] - dt * velocity_at(before[a])).norm(),
+        1e-13);
+}
+
 template <int D>
 std::string refusal(const Problem<D>& problem) {
   try {
