@@ -32,6 +32,8 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
   const Method& method = problem.method;
   const double pic = method.pic_part(from.kick);
   const std::size_t modes = mode_count(method.velocity, D);
+  // Splines at images see nodes so far beyond the mirror that these lack images of their own.
+  const bool mirrors = !nodes.images.of.empty() && method.basis == Basis::linear;
   // What a place sees of the nodes.
   struct Seen {
     Vector<D> v, a;
@@ -56,7 +58,7 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       fill_modes(grid, shape_of, particles.x[p], shape, method.velocity, scratch.modes);
       scratch.modes.coefficients(shape, from.carried, &particles.modes[p * modes], trusted);
     }
-    if (!nodes.images.of.empty()) {
+    if (mirrors) {
       const auto add = [&](const Image<D>& image, const auto& at) {
         const Seen there = see(at);
         const Matrix<D> M = Image<D>::signs(image.reversed).asDiagonal();
@@ -93,7 +95,7 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       ContinuedLinearFunctions::Nodes<D> at;
       ContinuedLinearFunctions{}.at(grid, x, at);
       Vector<D> v = at.value(from.carried, trusted);
-      if (nodes.images.of.empty()) return v;
+      if (!mirrors) return v;
       const auto add = [&](const Image<D>& image, const auto&) {
         ContinuedLinearFunctions{}.at(grid, Vector<D>(image.x + image.offset(x - place)), at);
         v += image.vector(at.value(from.carried, trusted));
