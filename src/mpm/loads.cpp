@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "mpm/policies.hpp"
 
 namespace recon::mpm {
@@ -66,11 +68,11 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
       }
       return {};
     };
-    for (const Load<D>& load : problem.loads) {
-      functions_of(problem, s.particles, nodes, shape_of, load.particle, shape);
-      const LoadedPlace<D> place = place_of(load, s.particles);
-      const Vector<D> force = load.force(place, s.time);
-      const Vector<D>& x = s.particles.x[load.particle];
+    // A force on one of the particles, or on one of the images.
+    const auto act = [&](const Load<D>& load, const Particles<D>& particles, std::size_t p,
+                         const Vector<D>& place, const Vector<D>& force) {
+      functions_of(problem, particles, nodes, shape_of, p, shape);
+      const Vector<D>& x = particles.x[p];
       // What the node number k of the particle gets.
       const auto add = [&](std::size_t k, double part) {
         nodes.force[shape.node[k]] += part * force;
@@ -78,10 +80,23 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
         if (!nodes.internal.empty()) nodes.internal[shape.node[k]] += (part - shape.S[k]) * force;
       };
       const std::vector<double> parts =
-          load.offset.isZero() ? std::vector<double>() : parts_of(x, place.x);
-      const Vector<D> d = place.x - x;
+          load.offset.isZero() ? std::vector<double>() : parts_of(x, place);
+      const Vector<D> d = place - x;
       for (std::size_t k = 0; k < shape.size(); ++k)
         add(k, parts.empty() ? shape.S[k] + shape.G[k].dot(d) : parts[k]);
+    };
+    const std::vector<Image<D>>& images = nodes.images.of;  // in the order of particles
+    for (const Load<D>& load : problem.loads) {
+      const LoadedPlace<D> place = place_of(load, s.particles);
+      const Vector<D> force = load.force(place, s.time);
+      act(load, s.particles, load.particle, place.x, force);
+      auto image = std::lower_bound(
+          images.begin(), images.end(), load.particle,
+          [](const Image<D>& each, std::size_t particle) { return each.of < particle; });
+      for (; image != images.end() && image->of == load.particle; ++image)
+        act(load, nodes.images.particles, static_cast<std::size_t>(image - images.begin()),
+            image->x + image->offset(place.x - s.particles.x[load.particle]),
+            image->vector(force));
     }
   });
 }

@@ -5,6 +5,7 @@
 // shape functions (mpm/shapes.hpp), chosen outside of the loop.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "core/flatten.hpp"
@@ -92,8 +93,9 @@ class BoundaryPolicy : public Policy<D> {
   // Components of held velocities become those of this time, or 0.
   void give(double time, std::vector<Vector<D>>& velocity) const;
   void rest(std::vector<Vector<D>>& velocity) const;
-  // Puts back what has passed a wall by a hair. Throws Failure for a particle that is not in the
-  // grid then.
+  // Puts back what has passed a wall by a hair, and what has left a period to its other end. Throws
+  // Failure for a particle that is not in the grid then, and for one that is more than half a cell
+  // beyond a boundary with images.
   void keep_inside(std::size_t begin, std::size_t end, State<D>& s) const;
 
  private:
@@ -108,18 +110,43 @@ class BoundaryPolicy : public Policy<D> {
                                                     : Vector<D>(Vector<D>::Zero()),
                             time);
   }
+  // The same for one particle where there are images.
+  void keep_in_room(std::size_t p, State<D>& s) const;
   std::vector<Held> held_;
   std::vector<Wall> walls_;
 };
 
-// What fits see beyond the planes of symmetry of a problem, as far as their supports reach.
+// The images that give to the nodes of a problem, and with those beyond planes of symmetry, whose
+// nodes are held, what fits see, as far as their supports reach.
 template <int D>
-Images<D> images_of(const Problem<D>& problem) {
-  Images<D> images(problem.grid, 2 * problem.grid.h());
-  for (const Boundary<D>& boundary : problem.boundaries)
-    if (boundary.symmetry) images.mirror(boundary.axis, boundary.face(problem.grid) > 0);
+Images<D> images_of(const Problem<D>& problem, bool of_fits) {
+  const Grid<D>& grid = problem.grid;
+  Images<D> images(grid, (problem.has_images() ? image_cells : 2) * grid.h());
+  for (int d = 0; d < D; ++d)
+    if (problem.periodic[d]) images.repeat(d, problem.room(d).first, problem.room(d).second);
+  for (const Boundary<D>& boundary : problem.boundaries) {
+    if (boundary.symmetry && of_fits) images.mirror(boundary.axis, boundary.face(grid) > 0);
+    if (boundary.images)
+      images.mirror(boundary.axis, boundary.is_upper(grid), boundary.at,
+                    boundary.holds_all() && D > 1 ? Mirror::odd : Mirror::even);
+  }
   return images;
 }
+
+// The images that give to the nodes.
+template <int D>
+class ImagePolicy : public Policy<D> {
+ public:
+  explicit ImagePolicy(const Problem<D>& problem)
+      : Policy<D>(problem), images_(images_of(problem, false)) {}
+  // Makes nodes.images of the particles and their body force per mass.
+  void make(const State<D>& s, const std::vector<Vector<D>>& b, Nodes<D>& nodes) const;
+  // Makes nodes.share.
+  void share(const State<D>& s, Nodes<D>& nodes) const;
+
+ private:
+  Images<D> images_;
+};
 
 // v_i = p_i / m_i and a_i = f_i / m_i + g.
 template <int D>
@@ -192,6 +219,7 @@ struct Policies {
         boundaries(problem),
         loads(problem),
         damping(problem),
+        images(problem),
         update(make_update(problem)) {}
 
   std::unique_ptr<const QuadraturePolicy<D>> quadrature;
@@ -200,6 +228,7 @@ struct Policies {
   BoundaryPolicy<D> boundaries;
   LoadPolicy<D> loads;
   DampingPolicy<D> damping;
+  ImagePolicy<D> images;
   std::unique_ptr<const UpdatePolicy<D>> update;
 };
 
@@ -231,6 +260,32 @@ void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, co
                     }
                     done(begin, end);
                   });
+}
+
+// Calls each(image, at) for the images of particle p in mirrors, as far as two cells beyond them,
+// with the functions at the image; returns how many there are. A particle takes the mean of what it
+// and these see, as an image has it: nodes on both sides of a plane between them are no images of
+// each other, and what a particle takes is then the transpose of what it and its image give.
+// Without that disturbances beside a wall grow.
+template <int D, class Shape, class At, class Each>
+int for_mirrors(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>& nodes,
+                const Shape& shape_of, std::size_t p, At& at, const Each& each) {
+  const std::vector<Image<D>>& images = nodes.images.of;  // in the order of particles
+  int count = 0;
+  auto image = std::lower_bound(
+      images.begin(), images.end(), p,
+      [](const Image<D>& one, std::size_t particle) { return one.of < particle; });
+  for (; image != images.end() && image->of == p; ++image) {
+    bool near = image->mirrored != 0;
+    for (int d = 0; d < D; ++d)
+      near = near && std::abs(image->x[d] - particles.x[p][d]) <= image_cells * problem.grid.h();
+    if (!near) continue;
+    functions_of(problem, nodes.images.particles, nodes, shape_of,
+                 static_cast<std::size_t>(image - images.begin()), at);
+    each(*image, at);
+    ++count;
+  }
+  return count;
 }
 
 // A definition for every dimension.

@@ -38,8 +38,52 @@ int Boundary<D>::face(const Grid<D>& grid) const {
 }
 
 template <int D>
+bool Boundary<D>::is_upper(const Grid<D>& grid) const {
+  return 2 * at > grid.lower()[axis] + grid.upper(axis);
+}
+
+template <int D>
+bool Boundary<D>::holds_all() const {
+  for (const auto& value : velocity)
+    if (!value) return false;
+  return true;
+}
+
+namespace {
+
+template <int D>
+void validate_images(const Boundary<D>& boundary, const Grid<D>& grid) {
+  const double at = boundary.at, lower = grid.lower()[boundary.axis],
+               upper = grid.upper(boundary.axis);
+  const double beyond = std::min(at - lower, upper - at) / grid.h();
+  require(beyond >= image_cells - 1e-6, "at of a boundary with images", at,
+          "must be a plane of nodes of the grid, or leave four cells of the grid beyond it for "
+          "images of particles");
+  require(std::abs(2 * at - lower - upper) > 2e-6 * grid.h(), "at of a boundary with images", at,
+          "must be nearer to one face of the grid, beyond which no body lies");
+  require((boundary.from.array() == -std::numeric_limits<double>::infinity()).all() &&
+              (boundary.to.array() == std::numeric_limits<double>::infinity()).all(),
+          "from of a boundary with images", boundary.from.transpose(),
+          "must not be given: the whole plane has images");
+  require(!boundary.symmetry, "symmetry of a boundary with images", "true",
+          "must be that of its images");
+  int given = 0;
+  bool zero = true;
+  for (const auto& value : boundary.velocity) {
+    given += value ? 1 : 0;
+    zero = zero && (!value || *value == 0.0);
+  }
+  require(zero && boundary.velocity[boundary.axis] && (given == 1 || given == D),
+          "velocity of a boundary with images", "given",
+          "must be zero along its axis, and zero or free along all others");
+}
+
+}  // namespace
+
+template <int D>
 void Boundary<D>::validate(const Grid<D>& grid) const {
   require(axis >= 0 && axis < D, "axis of a boundary", axis, "must be an axis of the grid");
+  if (images) return validate_images(*this, grid);
   const double plane = (at - grid.lower()[axis]) / grid.h();
   require(
       std::abs(plane - std::round(plane)) < 1e-6 && plane > -0.5 && plane < grid.cells(axis) + 0.5,
@@ -84,6 +128,65 @@ Kept Problem<D>::kept() const {
 }
 
 template <int D>
+std::pair<double, double> Problem<D>::room(int axis) const {
+  std::pair<double, double> room{grid.lower()[axis], grid.upper(axis)};
+  if (periodic[axis]) {
+    room.first += image_cells * grid.h();
+    room.second -= image_cells * grid.h();
+  }
+  for (const Boundary<D>& boundary : boundaries)
+    if (boundary.images && boundary.axis == axis)
+      (boundary.is_upper(grid) ? room.second : room.first) = boundary.at;
+  return room;
+}
+
+template <int D>
+bool Problem<D>::has_images() const {
+  return std::find(periodic.begin(), periodic.end(), true) != periodic.end() ||
+         std::any_of(boundaries.begin(), boundaries.end(),
+                     [](const Boundary<D>& each) { return each.images; });
+}
+
+namespace {
+
+// What images need of boundaries and method.
+template <int D>
+void validate_images(const Problem<D>& problem) {
+  if (!problem.has_images()) return;
+  const Method& method = problem.method;
+  require(method.mass == MassMatrix::lumped, "mass of the method", name_of(method.mass),
+          "must be lumped where particles have images: nodes beyond the last of them would count "
+          "in the solution");
+  std::array<std::array<int, 2>, D> planes{};
+  for (const Boundary<D>& boundary : problem.boundaries) {
+    require(!problem.periodic[boundary.axis], "axis of a boundary", "xyz"[boundary.axis],
+            "must not be periodic");
+    if (!boundary.images) continue;
+    require(++planes[boundary.axis][boundary.is_upper(problem.grid)] == 1,
+            "at of a boundary with images", boundary.at,
+            "must be the only one at this end of its axis");
+    require(method.velocity != VelocityMap::polynomial, "velocity of the method",
+            name_of(method.velocity),
+            "must not be polynomial at a boundary with images: its coefficients belong to one "
+            "place of the grid's cells; affine and all others can");
+    require(D == 1 || !boundary.holds_all() || method.quadrature == Quadrature::particles,
+            "quadrature of the method", name_of(method.quadrature),
+            "must be over particles at a fixed boundary with images, whose stresses are no "
+            "tensors of one material; a roller can");
+  }
+  for (int d = 0; d < D; ++d) {
+    if (problem.periodic[d])
+      require(problem.grid.cells(d) > 2 * image_cells, "cells of the grid along an axis",
+              problem.grid.cells(d),
+              "must be more than the eight beyond the ends of a period (periodic_grid)");
+    const auto [from, to] = problem.room(d);
+    require(from < to, "at of a boundary with images", to, "must leave room for bodies");
+  }
+}
+
+}  // namespace
+
+template <int D>
 void Problem<D>::validate(const Particles<D>& all, bool complete) const {
   const std::size_t count = all.size();
   require(count > 0, "particles", count, "must be at least one");
@@ -101,6 +204,12 @@ void Problem<D>::validate(const Particles<D>& all, bool complete) const {
             std::string(array.name) + " of particle " + std::to_string(i / array.per_particle),
             recon::detail::entries_text(values[i]), "must be finite");
   });
+  const bool images = has_images();
+  std::array<std::pair<double, double>, D> rooms;
+  for (int d = 0; d < D; ++d) {
+    const double margin = (periodic[d] ? 1e-6 : 0.5) * grid.h();
+    rooms[d] = {room(d).first - margin, room(d).second + margin};
+  }
   for (std::size_t p = 0; p < count; ++p) {
     // One text for what is wrong with a particle.
     const auto of = [&](bool holds, const char* what, const auto& value, const char* rule) {
@@ -109,6 +218,10 @@ void Problem<D>::validate(const Particles<D>& all, bool complete) const {
                                      rule);
     };
     of(grid.contains(all.x[p]), "position", all.x[p].transpose(), "must lie in the grid");
+    for (int d = 0; d < D && images; ++d)
+      of(all.x[p][d] >= rooms[d].first && all.x[p][d] <= rooms[d].second, "position",
+         all.x[p].transpose(),
+         "must lie in the period and not beyond a boundary with images by more than half a cell");
     of(all.mass[p] > 0, "mass", all.mass[p], "must be positive");
     of(all.volume0[p] > 0, "volume0", all.volume0[p], "must be positive");
     of(all.F[p].determinant() > 0, "det F", all.F[p].determinant(), "must be positive");
@@ -135,7 +248,6 @@ void Problem<D>::validate() const {
               "must be even with elements of 2 x 2 cells");
   for (const Material& material : materials) validate_material(material);
   for (const double density : densities) validate_density(density);
-  validate(particles);
   for (const Boundary<D>& boundary : boundaries) {
     boundary.validate(grid);
     for (const auto& value : boundary.velocity)
@@ -144,6 +256,8 @@ void Problem<D>::validate() const {
               "must be lumped where a boundary holds a velocity that varies: forces on the free "
               "nodes would depend on accelerations of the held ones");
   }
+  validate_images(*this);
+  validate(particles);
   for (const Load<D>& load : loads) load.validate(particles.size());
   damping.validate();
   time.validate();

@@ -80,14 +80,17 @@ struct PointData {
 template <int D>
 class TaylorFits {
  public:
-  TaylorFits(const Problem<D>& problem, const Particles<D>& particles, const PointData<D>& data)
+  // Of these places and volumes, one for each row of the data.
+  TaylorFits(const Problem<D>& problem, const std::vector<Vector<D>>& places,
+             const std::vector<double>& volumes, const PointData<D>& data)
       : grid_(problem.grid),
-        particles_(particles),
+        places_(places),
+        volumes_(volumes),
         data_(data),
         conserved_(static_cast<std::size_t>(data.rows.cols()), true) {
-    const std::span<std::uint32_t> cell = by_cell_.keys(particles.size());
-    for (std::size_t p = 0; p < particles.size(); ++p)
-      cell[p] = static_cast<std::uint32_t>(grid_.cell_number(particles.x[p]));
+    const std::span<std::uint32_t> cell = by_cell_.keys(places.size());
+    for (std::size_t p = 0; p < places.size(); ++p)
+      cell[p] = static_cast<std::uint32_t>(grid_.cell_number(places[p]));
     by_cell_.sort(grid_.cell_count(), problem.threads);
     std::fill_n(conserved_.begin() + 1, PointData<D>::stresses + (data.body_force ? D : 0), false);
   }
@@ -108,14 +111,15 @@ class TaylorFits {
     for (const std::size_t p : by_cell_.order().subspan(first, count)) {
       const auto row = static_cast<Eigen::Index>(x.size());
       u.row(row) = data_.rows.row(static_cast<Eigen::Index>(p));
-      mean += particles_.volume(p) / std::pow(grid_.h(), D) * u.row(row);
-      x.push_back(particles_.x[p]);
+      mean += volumes_[p] / std::pow(grid_.h(), D) * u.row(row);
+      x.push_back(places_[p]);
     }
     in_cell_.fit(grid_, c, x, u, mean, conserved_);
   }
 
   const Grid<D>& grid_;
-  const Particles<D>& particles_;
+  const std::vector<Vector<D>>& places_;
+  const std::vector<double>& volumes_;
   const PointData<D>& data_;
   recon::detail::CountingSort by_cell_;
   std::vector<bool> conserved_;
@@ -123,11 +127,24 @@ class TaylorFits {
   std::size_t cell_ = static_cast<std::size_t>(-1);
 };
 
+// The places and volumes of particles and of their images that give to the nodes.
+template <int D>
+struct Volumes {
+  std::vector<Vector<D>> places;
+  std::vector<double> volumes;
+
+  Volumes(const Particles<D>& particles, const ImageParticles<D>& images)
+      : places(with_places(particles.x, images.of)), volumes(particles.size()) {
+    for (std::size_t p = 0; p < volumes.size(); ++p) volumes[p] = particles.volume(p);
+    for (const Image<D>& image : images.of) volumes.push_back(volumes[image.of]);
+  }
+};
+
 template <int D>
 class CellQuadrature : public QuadraturePolicy<D> {
  public:
   explicit CellQuadrature(const Problem<D>& problem)
-      : QuadraturePolicy<D>(problem), images_(images_of(problem)) {}
+      : QuadraturePolicy<D>(problem), images_(images_of(problem, true)) {}
 
   FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
                            Nodes<D>& nodes) const override {
@@ -136,11 +153,13 @@ class CellQuadrature : public QuadraturePolicy<D> {
     const Quadrature kind = problem.method.quadrature;
     PointData<D> data(s.particles, b, is_gauss(kind), problem.threads);
     const CellPoints<D> points(grid, kind == Quadrature::cells ? 1 : 2);
-    fill(s.particles, cells.fill);
-    // Beyond planes of symmetry fits see images; the polynomials of single cells have no beyond.
+    const Volumes<D> giving(s.particles, nodes.images);
+    fill(giving, cells.fill);
+    // Fits see all images; the polynomials of single cells have nothing beyond planes of symmetry.
     std::vector<Vector<D>> with_images;
-    if (!images_.empty() && kind != Quadrature::taylor_cells) {
-      const auto seen = images_.of(s.particles.x);
+    if (!images_.empty()) {
+      const auto seen =
+          kind == Quadrature::taylor_cells ? nodes.images.of : images_.of(s.particles.x);
       with_images = with_places(s.particles.x, seen);
       append_rows(data.rows, seen, data.parities());
     }
@@ -174,7 +193,7 @@ class CellQuadrature : public QuadraturePolicy<D> {
           row += shape.S[k] * row_of(cells.values, shape.node[k]);
       });
     } else if (kind == Quadrature::taylor_cells) {
-      TaylorFits<D> taylor(problem, s.particles, data);
+      TaylorFits<D> taylor(problem, giving.places, giving.volumes, data);
       integrate(data, points, cells, nodes,
                 [&](std::size_t c, std::size_t g, Row& row) { row = taylor(c, points.at(c, g)); });
     } else {  // one fit for each Gauss point of all cells
@@ -196,10 +215,10 @@ class CellQuadrature : public QuadraturePolicy<D> {
   Images<D> images_;
 
   // The parts of the cells that count.
-  void fill(const Particles<D>& particles, std::vector<double>& part) const {
+  void fill(const Volumes<D>& giving, std::vector<double>& part) const {
     const Grid<D>& grid = this->problem_.grid;
     const std::vector<double> volume =
-        sums_in_cells(grid, particles.x, [&](std::size_t p) { return particles.volume(p); });
+        sums_in_cells(grid, giving.places, [&](std::size_t p) { return giving.volumes[p]; });
     part.assign(volume.size(), 0);
     for (std::size_t c = 0; c < volume.size(); ++c) {
       if (!(volume[c] > 0)) continue;
@@ -243,10 +262,9 @@ class AdjointCells : public QuadraturePolicy<D> {
   FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>&, Cells<D>& cells,
                            Nodes<D>& nodes) const override {
     const Problem<D>& problem = this->problem_;
-    std::vector<double> volumes(s.particles.size());
-    for (std::size_t p = 0; p < volumes.size(); ++p) volumes[p] = s.particles.volume(p);
+    const Volumes<D> giving(s.particles, nodes.images);
     nodes.weights.fill(problem.grid, problem.method.basis == Basis::cell_linear ? 1 : 2,
-                       s.particles.x, volumes, problem.threads);
+                       giving.places, giving.volumes, problem.threads);
     cells.fill = nodes.weights.fitted();
     return {};
   }

@@ -43,16 +43,30 @@ class RungeKutta : public UpdatePolicy<D> {
   // And adds `weight` times the rates to their sum.
   void rates_of(const Nodes<D>& nodes, const Particles<D>& particles, double weight,
                 std::vector<Rates>& rates, std::vector<Rates>& sum) const {
-    struct None {};
     with_shape(this->problem_.method, [&](auto shape_of) {
-      const auto each = [&](std::size_t p, const auto& shape, None&) {
+      using Seen = typename decltype(shape_of)::template Nodes<D>;
+      const auto each = [&](std::size_t p, const auto& shape, Seen& of_image) {
         rates[p].x = shape.value(nodes.velocity, trusted);
         rates[p].v = shape.value(nodes.acceleration, trusted);
         rates[p].L = shape.gradient(nodes.velocity, trusted);
+        if (!nodes.images.of.empty()) {
+          const auto add = [&](const Image<D>& image, const auto& at) {
+            const Matrix<D> M = Image<D>::signs(image.reversed).asDiagonal();
+            const Matrix<D> R = Image<D>::signs(image.mirrored).asDiagonal();
+            rates[p].x += M * at.value(nodes.velocity, trusted);
+            rates[p].v += M * at.value(nodes.acceleration, trusted);
+            rates[p].L += M * at.gradient(nodes.velocity, trusted) * R;
+          };
+          const int more =
+              for_mirrors(this->problem_, particles, nodes, shape_of, p, of_image, add);
+          rates[p].x /= 1 + more;
+          rates[p].v /= 1 + more;
+          rates[p].L /= 1 + more;
+        }
         rates[p].F = rates[p].L * particles.F[p];
         sum[p].add(weight, rates[p]);
       };
-      for_each_shape<None>(this->problem_, particles, nodes, shape_of, each,
+      for_each_shape<Seen>(this->problem_, particles, nodes, shape_of, each,
                            [](std::size_t, std::size_t) {});
     });
   }

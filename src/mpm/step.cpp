@@ -12,13 +12,15 @@ void Step<D>::operator()(State<D>& s, double dt) {
 
 template <int D>
 void Step<D>::to_nodes(const State<D>& s) {
-  const auto& [quadrature, map, mass, boundaries, loads, damping, update] = *policies_;
+  const auto& [quadrature, map, mass, boundaries, loads, damping, images, update] = *policies_;
   nodes_.clear(problem_->grid.size(), problem_->method.has_light_nodes());
   loads.body_force(s, body_force_);
+  images.make(s, body_force_, nodes_);
   // 1  particles to nodes: m_i, f_i and p_i by the quadrature, v_i = p_i / m_i or a fit
   const FromParticles from = quadrature->over_cells(s, body_force_, cells_, nodes_);
   map->to_nodes(s, body_force_, from, nodes_);
   loads.to_nodes(s, nodes_);
+  images.share(s, nodes_);
   mass->watch(s.steps, nodes_, signs_);
   mass->accelerate(s, from, boundaries, nodes_);  // 2  a_i = f_i / m_i + g
   map->velocities(s, nodes_);

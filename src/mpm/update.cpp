@@ -32,31 +32,85 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
   const Method& method = problem.method;
   const double pic = method.pic_part(from.kick);
   const std::size_t modes = mode_count(method.velocity, D);
-  const auto each = [&](std::size_t p, const auto& shape, ParticleModes<D, Shape>& of) {
-    if (parts.strain) particles.L[p] = shape.gradient(from.straining, trusted);
-    if (!parts.velocity && !parts.position) return;
-    const Vector<D> v = shape.value(from.carried, trusted);
+  // Splines at images see nodes so far beyond the mirror that these lack images of their own.
+  const bool mirrors = !nodes.images.of.empty() && method.basis == Basis::linear;
+  // What a place sees of the nodes.
+  struct Seen {
+    Vector<D> v, a;
+    Matrix<D> L;
+  };
+  const auto see = [&](const auto& shape) {
+    Seen seen{Vector<D>::Zero(), Vector<D>::Zero(), Matrix<D>::Zero()};
+    if (parts.strain) seen.L = shape.gradient(from.straining, trusted);
+    if (parts.velocity || parts.position) seen.v = shape.value(from.carried, trusted);
+    if (parts.velocity && pic < 1) seen.a = shape.value(nodes.acceleration, trusted);
+    return seen;
+  };
+  struct Scratch {
+    ParticleModes<D, Shape> modes;
+    typename Shape::template Nodes<D> image;
+    std::vector<Vector<D>> of_image;
+  };
+  const auto each = [&](std::size_t p, const auto& shape, Scratch& scratch) {
+    Seen seen = see(shape);
+    const bool with_modes = parts.velocity && modes > 0;
+    if (with_modes) {
+      fill_modes(grid, shape_of, particles.x[p], shape, method.velocity, scratch.modes);
+      scratch.modes.coefficients(shape, from.carried, &particles.modes[p * modes], trusted);
+    }
+    if (mirrors) {
+      const auto add = [&](const Image<D>& image, const auto& at) {
+        const Seen there = see(at);
+        const Matrix<D> M = Image<D>::signs(image.reversed).asDiagonal();
+        const Matrix<D> R = Image<D>::signs(image.mirrored).asDiagonal();
+        seen.v += M * there.v;
+        seen.a += M * there.a;
+        seen.L += M * there.L * R;
+        if (!with_modes) return;
+        scratch.of_image.resize(modes);
+        fill_modes(grid, shape_of, image.x, at, method.velocity, scratch.modes);
+        scratch.modes.coefficients(at, from.carried, scratch.of_image.data(), trusted);
+        for (std::size_t r = 0; r < modes; ++r)  // slopes along the axes (problem.cpp)
+          particles.modes[p * modes + r] += M * scratch.of_image[r] * R.diagonal()[static_cast<int>(r)];
+      };
+      const int more = for_mirrors(problem, particles, nodes, shape_of, p, scratch.image, add);
+      seen.v /= 1 + more;
+      seen.a /= 1 + more;
+      seen.L /= 1 + more;
+      for (std::size_t r = 0; r < modes && with_modes; ++r)
+        particles.modes[p * modes + r] /= 1 + more;
+    }
+    if (parts.strain) particles.L[p] = seen.L;
     if (parts.velocity) {
-      if (modes > 0) {
-        fill_modes(grid, shape_of, particles.x[p], shape, method.velocity, of);
-        of.coefficients(shape, from.carried, &particles.modes[p * modes], trusted);
-      }
-      if (pic < 1) particles.v[p] += from.kick * shape.value(nodes.acceleration, trusted);
+      if (pic < 1) particles.v[p] += from.kick * seen.a;
       if (pic == 1)
-        particles.v[p] = v;
+        particles.v[p] = seen.v;
       else if (pic > 0)
-        particles.v[p] += pic * (v - particles.v[p]);
+        particles.v[p] += pic * (seen.v - particles.v[p]);
     }
     if (!parts.position) return;
-    particles.x[p] += dt * v;
-    shape_of.move(grid, particles, p, from.carried, dt);
+    const Vector<D> place = particles.x[p];
+    // Of a place beside the particle.
+    const auto velocity_at = [&](const Vector<D>& x) {
+      ContinuedLinearFunctions::Nodes<D> at;
+      ContinuedLinearFunctions{}.at(grid, x, at);
+      Vector<D> v = at.value(from.carried, trusted);
+      if (!mirrors) return v;
+      const auto add = [&](const Image<D>& image, const auto&) {
+        ContinuedLinearFunctions{}.at(grid, Vector<D>(image.x + image.offset(x - place)), at);
+        v += image.vector(at.value(from.carried, trusted));
+      };
+      const int more = for_mirrors(problem, particles, nodes, shape_of, p, scratch.image, add);
+      return Vector<D>(v / (1 + more));
+    };
+    particles.x[p] += dt * seen.v;
+    shape_of.move(particles, p, velocity_at, dt);
   };
-  for_each_shape<ParticleModes<D, Shape>>(problem, particles, nodes, shape_of, each,
-                                          [&](std::size_t begin, std::size_t end) {
-                                            if (parts.strain) strain(problem, begin, end, dt, s);
-                                            if (parts.position)
-                                              policies.boundaries.keep_inside(begin, end, s);
-                                          });
+  for_each_shape<Scratch>(problem, particles, nodes, shape_of, each,
+                          [&](std::size_t begin, std::size_t end) {
+                            if (parts.strain) strain(problem, begin, end, dt, s);
+                            if (parts.position) policies.boundaries.keep_inside(begin, end, s);
+                          });
 }
 
 // flip and pic: v_i+ = v_i + k a_i carries and strains.
@@ -168,16 +222,26 @@ class Filtered : public SingleMap<D> {
       std::fill(back.begin(), back.end(), Vector<D>::Zero());
       with_shape(problem.method, [&](auto shape_of) {
         using Seen = typename decltype(shape_of)::template Nodes<D>;
-        const auto rows = [&](std::size_t p) {
-          return shape_of.nodes_along(problem.grid, particles, p, D - 1);
+        // Adds what `of` see, by seen(p, their functions).
+        const auto give_back = [&](const Particles<D>& of, const auto& seen) {
+          const auto rows = [&](std::size_t p) {
+            return shape_of.nodes_along(problem.grid, of, p, D - 1);
+          };
+          scatter_by_rows<Seen>(of.size(), problem.threads, rows, [&](std::size_t p, Seen& shape) {
+            shape_of.shape(problem.grid, of, p, shape);
+            const Vector<D> v = seen(p, shape);
+            for (std::size_t k = 0; k < shape.size(); ++k)
+              back[shape.node[k]] += shape.S[k] * of.mass[p] * v;
+          });
         };
-        scatter_by_rows<Seen>(particles.size(), problem.threads, rows,
-                              [&](std::size_t p, Seen& shape) {
-                                shape_of.shape(problem.grid, particles, p, shape);
-                                const Vector<D> seen = shape.value(left, trusted);
-                                for (std::size_t k = 0; k < shape.size(); ++k)
-                                  back[shape.node[k]] += shape.S[k] * particles.mass[p] * seen;
-                              });
+        give_back(particles, [&](std::size_t, const Seen& at) { return at.value(left, trusted); });
+        const ImageParticles<D>& images = step.nodes().images;
+        if (images.of.empty()) return;
+        give_back(images.particles, [&](std::size_t i, const Seen&) {
+          Seen at;
+          shape_of.shape(problem.grid, particles, images.of[i].of, at);
+          return images.of[i].vector(at.value(left, trusted));
+        });
       });
       for (std::size_t i = 0; i < left.size(); ++i)
         if (mass[i] != 0) left[i] -= back[i] / mass[i];

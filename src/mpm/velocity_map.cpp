@@ -126,11 +126,12 @@ void accept(const FitReports& report, const Value& value, Nodes<D>& nodes) {
   }
 }
 
-// A fit to velocities at places and, beyond planes of symmetry, their images.
+// A fit to velocities at places and their images.
 template <int D>
 class FitMap : public MapPolicy<D> {
  public:
-  explicit FitMap(const Problem<D>& problem) : MapPolicy<D>(problem), images_(images_of(problem)) {}
+  explicit FitMap(const Problem<D>& problem)
+      : MapPolicy<D>(problem), images_(images_of(problem, true)) {}
 
  protected:
   using Vectors = std::vector<Vector<D>>;
@@ -212,7 +213,11 @@ template <int D>
 void MapPolicy<D>::to_nodes(const State<D>& s, const std::vector<Vector<D>>& b,
                             const FromParticles& from, Nodes<D>& nodes) const {
   with_shape(this->problem_.method, [&](auto shape_of) {
-    Scatter<D, decltype(shape_of)>{this->problem_, s.particles, b, from, nodes, shape_of}.run();
+    using Sum = Scatter<D, decltype(shape_of)>;
+    Sum{this->problem_, s.particles, b, from, nodes, shape_of}.run();
+    const ImageParticles<D>& images = nodes.images;
+    if (!images.of.empty())
+      Sum{this->problem_, images.particles, images.body_force, from, nodes, shape_of}.run();
   });
 }
 
@@ -226,8 +231,8 @@ void MapPolicy<D>::velocities(const State<D>& s, Nodes<D>& nodes) const {
   double mass = 0;
   for (std::size_t p = 0; p < particles.size(); ++p) missing += particles.mass[p] * particles.v[p];
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
-    missing -= nodes.mass[i] * nodes.mapped[i];
-    mass += nodes.mass[i];
+    missing -= nodes.share_of(i) * nodes.mass[i] * nodes.mapped[i];
+    mass += nodes.share_of(i) * nodes.mass[i];
   }
   for (std::size_t i = 0; i < nodes.mass.size(); ++i)
     if (nodes.mass[i] != 0) nodes.mapped[i] += missing / mass;

@@ -58,18 +58,26 @@ double bytes_in_step(const Method& method, const Kept& kept) {
   return bytes;
 }
 
-// Has a cell of the grid no particle? Then there is a free surface.
+// Has a cell of the grid, where particles may lie, no particle? Then there is a free surface.
 template <int D>
-bool has_empty_cells(const Grid<D>& grid, const Particles<D>& particles) {
+bool has_empty_cells(const Problem<D>& problem, const Particles<D>& particles) {
+  const Grid<D>& grid = problem.grid;
+  std::array<int, D> first, last;
   std::size_t cells = 1;
-  for (int d = 0; d < D; ++d) cells *= static_cast<std::size_t>(grid.cells(d));
+  for (int d = 0; d < D; ++d) {
+    const auto [from, to] = problem.room(d);
+    const double hair = 1e-6 * grid.h();
+    first[d] = grid.cell(from + hair, d);
+    last[d] = grid.cell(to - hair, d);
+    cells *= static_cast<std::size_t>(last[d] - first[d] + 1);
+  }
   if (cells > particles.size()) return true;
   std::vector<bool> filled(cells);
   for (const Vector<D>& x : particles.x) {
     std::size_t cell = 0;
     for (int d = D - 1; d >= 0; --d)
-      cell = cell * static_cast<std::size_t>(grid.cells(d)) +
-             static_cast<std::size_t>(grid.cell(x[d], d));
+      cell = cell * static_cast<std::size_t>(last[d] - first[d] + 1) +
+             static_cast<std::size_t>(std::clamp(grid.cell(x[d], d), first[d], last[d]) - first[d]);
     filled[cell] = true;
   }
   return std::find(filled.begin(), filled.end(), false) != filled.end();
@@ -145,9 +153,12 @@ Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles,
         "the first step, " + number(found.step.dt) + ", is " + number(courant) +
         " h / (c_p + |v|); the method " + problem.method.name + " is known to be stable up to " +
         number(stable) + " in " + std::to_string(D) + "-D: it may break, or gain energy");
+  if (const double slowed = problem.damping.mass * found.step.dt; slowed > 1)
+    found.warnings.push_back("damping.mass times the first step, " + number(slowed) +
+                             ", is above 1: damping reverses velocities");
   const std::string broken = caveat(problem.method);
   if (!broken.empty() &&
-      (is_element(problem.method.basis) || has_empty_cells(problem.grid, particles)))
+      (is_element(problem.method.basis) || has_empty_cells(problem, particles)))
     found.warnings.push_back(broken);
   return found;
 }

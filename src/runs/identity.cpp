@@ -48,6 +48,10 @@ Identity identity_of(const Problem<D>& problem, const Particles<D>& particles,
   add("grid.lower", text_of<D>(grid.lower()));
   add("grid.upper", text_of<D>(upper));
   add("grid.cells", text_of(1 / grid.h()));
+  std::string periodic;
+  for (int d = 0; d < D; ++d)
+    periodic += std::string(d ? ", " : "") + (problem.periodic[d] ? "true" : "false");
+  add("grid.periodic", periodic);
 
   add("the number of bodies", std::to_string(problem.materials.size()));
   std::vector<std::size_t> counts(problem.materials.size());
@@ -81,6 +85,7 @@ Identity identity_of(const Problem<D>& problem, const Particles<D>& particles,
     add(key + "from", text_of<D>(boundary.from));
     add(key + "to", text_of<D>(boundary.to));
     add(key + "symmetry", boundary.symmetry ? "true" : "false");
+    add(key + "images", boundary.images ? "true" : "false");
   }
   add("loads.gravity", text_of<D>(problem.gravity));
   if (!formulas.contains("loads.body_force"))

@@ -105,10 +105,12 @@ Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
   const std::vector<Vector<D>> mapped_momentum = nodes.times_mass(nodes.mapped);
   const std::vector<Vector<D>> momentum_now = nodes.times_mass(now);
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
-    ledger.node_mass += nodes.mass[i];
-    add<D>(ledger.node_momentum, mapped_momentum[i]);
-    add_angular<D>(ledger.node_angular, problem.grid.position(i), mapped_momentum[i]);
-    ledger.node_kinetic += momentum_now[i].dot(now[i]) / 2;
+    const double share = nodes.share_of(i);
+    const Vector<D> own = share * mapped_momentum[i];
+    ledger.node_mass += share * nodes.mass[i];
+    add<D>(ledger.node_momentum, own);
+    add_angular<D>(ledger.node_angular, problem.grid.position(i), own);
+    ledger.node_kinetic += share * momentum_now[i].dot(now[i]) / 2;
   }
   ledger.negative_nodes = nodes.negative;
   ledger.interpolation_error = ledger.node_kinetic - ledger.kinetic;

@@ -167,6 +167,8 @@ template <int D>
 Probe<D> reaction_probe(const Problem<D>& problem, std::size_t boundary) {
   require(boundary < problem.boundaries.size(), "boundary", boundary + 1,
           "must be the number of a boundary");
+  require(!problem.boundaries[boundary].images, "boundary", boundary + 1,
+          "must hold nodes: one with images of particles holds none");
   Probe<D> probe{"reaction", {}, {}};
   for (int d = 0; d < D; ++d) probe.columns.push_back(std::string("force_") + "xyz"[d]);
   probe.measure = [boundary](const Simulation<D>& simulation) {

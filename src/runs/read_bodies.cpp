@@ -71,7 +71,7 @@ class BodyReader {
         body.choice("shape", Words{"box", "disk", "ring", "polygon", "file"}, true);
     if (shape == "file") return fill_from_file(body, density, number);
     const int n = body.integer("particles", 2, 1, 100);
-    const std::string layout = body.choice("layout", Words{"cell", "jittered", "polar"});
+    const std::string layout = body.choice("layout", Words{"cell", "jittered", "polar", "body"});
     const double jitter = layout == "jittered" ? body.number("jitter", 0.5) : 0;
     if (jitter < 0 || jitter > 1) body.fail("jitter", "must lie between 0 and 1");
     Region<D> region;
@@ -96,8 +96,12 @@ class BodyReader {
       if (layout == "polar") return fill_polar(body, centre, inner, outer, density, number);
     }
     if (layout == "polar") body.fail("layout", "'polar' is for rings and disks");
+    if (layout == "body" && shape != "box") body.fail("layout", "'body' is for boxes");
     checked(body, "shape", [&] {
-      fill_cells(grid, region, n, jitter, density, number, most_particles(), problem_.particles);
+      require_in_grid(grid, region.lower, region.upper);
+      const bool own = layout == "body";  // in cells of the spacing, from the body's lower corner
+      fill_cells(own ? Grid<D>(region.lower, region.upper, grid.h() / n) : grid, region,
+                 own ? 1 : n, jitter, density, number, most_particles(), problem_.particles);
     });
   }
 

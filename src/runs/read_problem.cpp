@@ -13,6 +13,9 @@ namespace {
 
 using Words = std::vector<std::string>;
 
+// "auto" is this part of the largest stable step.
+constexpr double safe_part_of_step = 0.8;
+
 // All keys but those of the method's choices; the sections ask for the same.
 const KnownKeys fixed_keys{
     {"title",
@@ -20,6 +23,7 @@ const KnownKeys fixed_keys{
      "grid.lower",
      "grid.upper",
      "grid.cells",
+     "grid.periodic",
      "material.kind",
      "material.young",
      "material.poisson",
@@ -57,7 +61,7 @@ const KnownKeys fixed_keys{
     {"constants.*", "body.lower", "body.upper", "body.wkt", "body.file", "body.volume",
      "body.material.kind", "body.material.young", "body.material.poisson", "body.material.density",
      "damping.mass", "boundary.axis", "boundary.at", "boundary.kind", "boundary.velocity",
-     "boundary.from", "boundary.to"}};
+     "boundary.from", "boundary.to", "boundary.images"}};
 
 KnownKeys known_keys() {
   KnownKeys keys = fixed_keys;
@@ -98,7 +102,15 @@ void read_grid(ProblemReader<D>& reader) {
   const double cells = grid.number("cells");
   checked(grid, "cells", [&] {
     recon::detail::require(cells > 0, "cells per unit length", cells, "must be positive");
-    reader.problem().grid = Grid<D>(lower, upper, 1 / cells);
+    auto& periodic = reader.problem().periodic;
+    int d = 0;
+    if (grid.has("periodic"))
+      for (const toml::node* node : grid.elements("periodic", D)) {
+        if (!node->is_boolean())
+          grid.fail_at(*node, "periodic", "true or false is needed for each axis");
+        periodic[d++] = node->value_or(false);
+      }
+    reader.problem().grid = periodic_grid<D>(lower, upper, 1 / cells, periodic);
   });
   grid.finish();
 }
@@ -169,7 +181,18 @@ void read_time(ProblemReader<D>& reader) {
               : rule == "p_wave"   ? StepRule::p_wave
               : rule == "bar_wave" ? StepRule::bar_wave
                                    : StepRule::fixed;
-  if (keys.has("courant")) time.courant = keys.number("courant");
+  if (const toml::node* courant = keys.raw().get("courant"); courant && courant->is_string()) {
+    if (keys.text("courant") != "auto") keys.fail("courant", "a number or \"auto\" is needed");
+    const Method& method = reader.problem().method;
+    if (time.rule != StepRule::adaptive && time.rule != StepRule::p_wave)
+      keys.fail("courant", "\"auto\" is in units of c_p: it needs the rule adaptive or p_wave");
+    if (!(stable_courant(method, D) > 0))
+      keys.fail("courant",
+                "no step is stable with the method " + method.name + ": a number is needed");
+    time.courant = safe_part_of_step * stable_courant(method, D);
+  } else if (courant) {
+    time.courant = keys.number("courant");
+  }
   if (time.rule == StepRule::fixed) time.step = keys.number("step");
   if (keys.choice("until", Words{"end", "rest"}) == "rest")
     time.rest = keys.number("tolerance", 1e-4);

@@ -74,10 +74,10 @@ FieldError grid_velocity_error(const Simulation<D>& simulation, const Manufactur
   double count = 0;
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
     const double mass = std::abs(nodes.mass[i]);
-    if (!(mass > lightest)) continue;
+    if (!(mass > lightest) || nodes.share_of(i) == 0) continue;
     const Vector<D> X = particle_at(simulation.problem().grid.position(i));
     const double squared = (nodes.velocity[i] - exact.at(X, before).velocity).squaredNorm();
-    error.l2 += squared * mass / density;
+    error.l2 += squared * nodes.share_of(i) * mass / density;
     error.rms += squared;
     ++count;
   }

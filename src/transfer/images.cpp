@@ -29,19 +29,51 @@ Images<D>::Images(const CartesianGrid<D>& grid, double reach)
 template <int D>
 void Images<D>::mirror(int axis, bool upper) {
   require(axis >= 0 && axis < D, "axis of a mirror", axis, "must be an axis of the grid");
-  mirrors_[axis][upper] = true;
+  mirror(axis, upper, (upper ? upper_ : lower_)[axis], Mirror::even);
+}
+
+template <int D>
+void Images<D>::mirror(int axis, bool upper, double at, Mirror kind) {
+  require(axis >= 0 && axis < D, "axis of a mirror", axis, "must be an axis of the grid");
+  require(std::isfinite(at), "place of a mirror", at, "must be finite");
+  require(!repeats_[axis], "axis of a mirror", axis, "must not repeat itself");
+  require(upper ? at > lower_[axis] : at < upper_[axis], "place of a mirror", at,
+          "must leave room to the other end of its axis");
+  mirrors_[axis][upper] = kind;
+  (upper ? upper_ : lower_)[axis] = at;
+  const auto reversed = [&](bool end) {
+    return *mirrors_[axis][end] == Mirror::even ? vector_parity(axis) : (1u << D) - 1;
+  };
   std::vector<Along>& along = along_[axis];
   along.clear();
   if (mirrors_[axis][0] && mirrors_[axis][1]) {  // two mirrors: a translation by twice the edge
     const double period = 2 * (upper_[axis] - lower_[axis]);
     const int most = static_cast<int>(std::ceil((reach_ + period) / period));
     for (int n = -most; n <= most; ++n) {
-      along.push_back({-1, 2 * lower_[axis] + n * period});
-      if (n != 0) along.push_back({1, n * period});
+      const unsigned turned = n % 2 == 0 ? 0 : reversed(false) ^ reversed(true);
+      along.push_back({-1, 2 * lower_[axis] + n * period, reversed(false) ^ turned});
+      if (n != 0) along.push_back({1, n * period, turned});
     }
   } else {
-    along.push_back({-1, 2 * (upper ? upper_ : lower_)[axis]});
+    along.push_back({-1, 2 * at, reversed(upper)});
   }
+}
+
+template <int D>
+void Images<D>::repeat(int axis, double lower, double upper) {
+  require(axis >= 0 && axis < D, "axis of a period", axis, "must be an axis of the grid");
+  require(std::isfinite(lower) && std::isfinite(upper) && lower < upper, "end of a period", upper,
+          "must be finite and above its beginning");
+  require(!mirrors_[axis][0] && !mirrors_[axis][1], "axis of a period", axis,
+          "must have no mirrors");
+  repeats_[axis] = true;
+  lower_[axis] = lower;
+  upper_[axis] = upper;
+  const double period = upper - lower;
+  const int most = static_cast<int>(std::ceil(reach_ / period)) + 1;
+  along_[axis].clear();
+  for (int n = -most; n <= most; ++n)
+    if (n != 0) along_[axis].push_back({1, n * period, 0});
 }
 
 template <int D>
@@ -60,7 +92,7 @@ std::vector<Image<D>> Images<D>::of(const std::vector<SpaceVector<D>>& places) c
     if (!x.allFinite()) [[unlikely]]
       detail::throw_invalid("place of particle " + std::to_string(p), x.transpose(),
                             "must be finite");
-    of_one.assign(1, {static_cast<std::uint32_t>(p), 0, x});
+    of_one.assign(1, {static_cast<std::uint32_t>(p), 0, 0, x});
     for (int d = 0; d < D; ++d) {
       const std::size_t before = of_one.size();  // all of which have images along this axis
       for (const Along& to : along_[d]) {
@@ -70,6 +102,7 @@ std::vector<Image<D>> Images<D>::of(const std::vector<SpaceVector<D>>& places) c
           Image<D> image = of_one[i];
           image.x[d] = place;
           if (to.sign < 0) image.mirrored |= 1u << d;
+          image.reversed ^= to.reversed;
           of_one.push_back(image);
         }
       }
@@ -95,10 +128,7 @@ std::vector<SpaceVector<D>> with_vectors(const std::vector<SpaceVector<D>>& vect
   require_entries(vectors.size(), images);
   std::vector<SpaceVector<D>> all = vectors;
   all.reserve(vectors.size() + images.size());
-  for (const Image<D>& image : images) {
-    all.push_back(vectors[image.of]);
-    for (int d = 0; d < D; ++d) all.back()[d] *= mirror_sign(vector_parity(d), image.mirrored);
-  }
+  for (const Image<D>& image : images) all.push_back(image.vector(vectors[image.of]));
   return all;
 }
 

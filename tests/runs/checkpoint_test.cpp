@@ -110,6 +110,47 @@ class MpmCheckpoint : public InFolder {
   std::string whole_;
 };
 
+// A run through the end of a period goes on from a checkpoint to the last bit.
+TEST_F(MpmCheckpoint, GoesOnThroughAPeriod) {
+  const auto text = [&](const std::string& periodic) {
+    std::string of = with("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"\n", "");
+    of.replace(of.find("body_force = [\"-A * x\", 0]"), 25, "body_force = [\"-A * sin(2*pi*x)\", 0]");
+    of.replace(of.find("[\"A\", 0]"), 8, "[30, 0]");
+    of.replace(of.find("cells = 4"), 9, "cells = 4\nperiodic = " + periodic);
+    return of.replace(of.find("cpls"), 4, "cpdi2");
+  };
+  const ProblemFile<2> file = file_of(text("[true, false]"));
+  Simulation<2> whole(file.problem), second(file.problem);
+  for (int s = 0; s < 3; ++s) whole.step(0.003);
+  write_checkpoint(path(), whole, file.formulas, {.start = {}, .frame_times = {0}});
+  for (int s = 0; s < 3; ++s) whole.step(0.003);
+  read_checkpoint(path(), second, file.formulas);
+  for (int s = 0; s < 3; ++s) second.step(0.003);
+  double least = 1;
+  for (std::size_t p = 0; p < whole.particles().size(); ++p) {
+    EXPECT_EQ(whole.particles().x[p], second.particles().x[p]);
+    EXPECT_EQ(whole.particles().X[p], second.particles().X[p]);
+    EXPECT_EQ(whole.particles().corners[p], second.particles().corners[p]);
+    EXPECT_EQ(whole.particles().stress[p], second.particles().stress[p]);
+    least = std::min(least, whole.particles().x[p][0]);
+  }
+  EXPECT_LT(least, 0.25);  // some have come in at the other end
+  EXPECT_THAT(refusal(text("[false, false]")), HasSubstr("grid.lower is -1, 0 in the checkpoint"));
+}
+
+// The text of a formula that a boundary holds is a part of the problem.
+TEST_F(MpmCheckpoint, KnowsTheVelocitiesOfItsBoundaries) {
+  const auto text = [&](const std::string& velocity) {
+    return with("kind = \"roller\"", "kind = \"velocity\"\nvelocity = [" + velocity + ", 0]");
+  };
+  write(text("\"0.1 * t\""), {});
+  EXPECT_EQ(refusal(text("\"0.1 * t\"")), "");
+  EXPECT_THAT(refusal(text("\"0.2 * t\"")),
+              AllOf(HasSubstr("boundary 1.velocity is"), HasSubstr("0.1 * t"),
+                    HasSubstr("in the checkpoint"), HasSubstr("0.2 * t")));
+  EXPECT_THAT(refusal(text("0.1")), HasSubstr("boundary 1.velocity is a function"));
+}
+
 TEST_F(MpmCheckpoint, BelongsToItsProblem) {
   EXPECT_EQ(refusal(base), "");
   // What may differ.

@@ -362,7 +362,7 @@ TEST_F(MpmFiles, WhatAFileSaysIsCheckedByTheProblem) {
   EXPECT_THAT(message(with("density = 1000", "density = -1")),
               HasSubstr("p.toml:9: material.density: density = -1: must be positive"));
   EXPECT_THAT(message(with("at = 0", "at = 0.123")),
-              HasSubstr("p.toml:17: boundary 1.at: place of a boundary"));
+              HasSubstr("p.toml:17: boundary 1.at: at of a boundary with images"));
   EXPECT_THAT(message(good + "courant = 0\n"), HasSubstr("time.courant: courant = 0: must be"));
   EXPECT_THAT(message(good + "rule = \"fixed\"\nstep = -1\n"), HasSubstr("time.step: step = -1"));
   EXPECT_THAT(message(good + "[limits]\nsteps = 0\n"), HasSubstr("limits."));
@@ -415,6 +415,73 @@ TEST_F(MpmFiles, AForecastIsTrue) {
   file.problem.time.courant = 1.5;  // longer than cpls bears
   ASSERT_EQ(forecast(file.problem).warnings.size(), 1u);
   EXPECT_THAT(forecast(file.problem).warnings[0], HasSubstr("cpls"));
+  file.problem.time.courant = 0.4;
+  file.problem.damping.mass = 0.9 / told.step.dt;
+  EXPECT_TRUE(forecast(file.problem).warnings.empty());
+  file.problem.damping.mass = 1.1 / told.step.dt;
+  ASSERT_EQ(forecast(file.problem).warnings.size(), 1u);
+  EXPECT_THAT(forecast(file.problem).warnings[0], HasSubstr("damping.mass times the first step"));
+}
+
+// The step from the largest stable one of the method in use.
+TEST_F(MpmFiles, AStepFromTheMeasuredLimit) {
+  for (const char* method : {"cpls", "bspline2", "fmpm", "cpdi1+mass=consistent"}) {
+    const std::string text = with("\"cpls\"", "\"" + std::string(method) + "\"");
+    ASSERT_EQ(message(text + "courant = \"auto\"\n"), "") << method;
+    const auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+    EXPECT_DOUBLE_EQ(*file.problem.time.courant, 0.8 * stable_courant(file.problem.method, 2));
+    EXPECT_TRUE(forecast(file.problem).warnings.empty()) << method;
+  }
+  EXPECT_THAT(message(good + "courant = \"much\"\n"),
+              HasSubstr("time.courant: a number or \"auto\" is needed"));
+  EXPECT_THAT(message(good + "courant = \"auto\"\nrule = \"bar_wave\"\n"),
+              HasSubstr("needs the rule adaptive or p_wave"));
+  EXPECT_THAT(message(with("\"cpls\"", "\"q8\"") + "courant = \"auto\"\n"),
+              HasSubstr("no step is stable with the method q8"));
+}
+
+// Walls between the nodes have images, those on nodes only where that is asked for; a period gets
+// its cells beyond both ends.
+TEST_F(MpmFiles, ImagesAndPeriods) {
+  const auto problem_of = [&](const std::string& text) {
+    EXPECT_EQ(message(text), "");
+    return std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml")).problem;
+  };
+  const std::string wide = with("lower = [0.0, 0.0]", "lower = [-1.0, 0.0]");
+  const auto at = [&](const std::string& place) {
+    std::string text = wide;
+    return text.replace(text.find("at = 0\n"), 6, place);
+  };
+  EXPECT_FALSE(problem_of(at("at = 0")).boundaries[0].images);
+  EXPECT_TRUE(problem_of(at("at = 0\nimages = true")).boundaries[0].images);
+  EXPECT_TRUE(problem_of(at("at = 0.13")).boundaries[0].images);
+  EXPECT_THAT(message(at("at = 0.13\nimages = false")), HasSubstr("must be a plane of nodes"));
+  EXPECT_THAT(message(at("at = 0.5")), Not(HasSubstr("images")));
+  EXPECT_THAT(message(at("at = 0.13\nimages = 3")), HasSubstr("boundary 1.images"));
+
+  const std::string free = with("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"fixed\"\n", "");
+  const auto periodic = [&](const std::string& which) {
+    std::string text = free;
+    return text.replace(text.find("cells = 10"), 10, "cells = 10\nperiodic = " + which);
+  };
+  const Problem<2> period = problem_of(periodic("[true, false]"));
+  EXPECT_EQ(period.grid.cells(0), 10 + 2 * image_cells);
+  EXPECT_EQ(period.grid.cells(1), 10);
+  EXPECT_NEAR(period.room(0).first, 0, 1e-14);
+  EXPECT_NEAR(period.room(0).second, 1, 1e-14);
+  EXPECT_THAT(message(periodic("[true]")), HasSubstr("grid.periodic: 2 values are needed"));
+  EXPECT_THAT(message(periodic("[1, 0]")), HasSubstr("true or false is needed for each axis"));
+
+  // A box from its own corner on.
+  std::string text = free;
+  text.replace(text.find("lower = [0.2, 0.2]\nupper = [0.4, 0.4]"), 37,
+               "lower = [0.21, 0.2]\nupper = [0.41, 0.4]\nlayout = \"body\"");
+  const Problem<2> own = problem_of(text);
+  ASSERT_EQ(own.particles.size(), 16u);
+  EXPECT_NEAR(own.particles.X[0][0], 0.235, 1e-12);
+  EXPECT_NEAR(own.particles.X[15][0], 0.385, 1e-12);
+  text.replace(text.find("0.41, 0.4"), 9, "0.42, 0.4");
+  EXPECT_THAT(message(text), HasSubstr("must be a whole number of cells"));
 }
 
 TEST_F(MpmFiles, BoundaryVelocities) {

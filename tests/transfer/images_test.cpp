@@ -87,6 +87,76 @@ TEST(Mirrors, FaceEachOther) {
   for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(places[i], expected[i], 1e-14);
 }
 
+// A vector field that is odd in x = 0.32 in all its components and even, with the component along y
+// odd, in y = 0.71; and one that is odd in two planes of an axis, so that it repeats itself.
+TEST(Mirrors, AreOddWhereAWallHoldsAll) {
+  const CartesianGrid<2> grid({0, 0}, {1, 1}, 0.1);
+  Images<2> images(grid, 0.3);
+  images.mirror(0, false, 0.32, Mirror::odd);
+  images.mirror(1, true, 0.71, Mirror::even);
+  const auto field = [](const SpaceVector<2>& x) {
+    const double odd = std::sin(3 * (x[0] - 0.32)), y = x[1] - 0.71;
+    return SpaceVector<2>(odd * std::cos(2 * y), odd * std::sin(5 * y));
+  };
+  std::mt19937 random(7);
+  std::vector<SpaceVector<2>> places(100), vectors;
+  for (auto& x : places) {
+    x = {uniform(random, 0.32, 1), uniform(random, 0, 0.71)};
+    vectors.push_back(field(x));
+  }
+  const auto seen = images.of(places);
+  const auto all = with_vectors(vectors, seen);
+  std::size_t corners = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    EXPECT_LE((all[100 + i] - field(seen[i].x)).norm(), 1e-15);
+    EXPECT_GE(seen[i].x[0], 0.32 - 0.3);
+    EXPECT_LE(seen[i].x[1], 0.71 + 0.3);
+    corners += seen[i].mirrored == 3 ? 1 : 0;
+  }
+  EXPECT_GT(corners, 5u);
+
+  Images<2> between(grid, 1.5);
+  between.mirror(0, true, 0.9, Mirror::even);
+  between.mirror(0, false, 0.4, Mirror::odd);  // a quarter of a wave of length 2
+  const auto wave = [](double x) { return std::sin(std::acos(-1) * (x - 0.4)); };
+  const auto across = between.of({SpaceVector<2>(0.55, 0.5)});
+  EXPECT_EQ(across.size(), 7u);
+  for (const auto& image : across) {
+    const SpaceVector<2> v = image.vector({1, 1});
+    // Along the axis even mirrors turn the component, across it they do not.
+    EXPECT_NEAR(v[1] * wave(0.55), wave(image.x[0]), 1e-14) << image.x[0];
+    EXPECT_EQ(std::abs(v[0]), 1);
+  }
+}
+
+// The images of a period are those of a field that repeats itself, several times within the reach.
+TEST(Periods, RepeatThemselves) {
+  const CartesianGrid<1> grid(SpaceVector<1>(0.0), SpaceVector<1>(2.0), 0.1);
+  Images<1> images(grid, 0.5);
+  images.repeat(0, 0.7, 1.0);
+  const auto seen = images.of({SpaceVector<1>(0.75)});
+  std::vector<double> places;
+  for (const auto& image : seen) {
+    places.push_back(image.x[0]);
+    EXPECT_EQ(image.mirrored, 0u);
+    EXPECT_EQ(image.reversed, 0u);
+  }
+  std::sort(places.begin(), places.end());
+  const std::vector<double> expected{0.45, 1.05, 1.35};
+  ASSERT_EQ(places.size(), expected.size());
+  for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(places[i], expected[i], 1e-14);
+
+  EXPECT_THROW(images.mirror(0, false), InvalidArgument);
+  EXPECT_THROW(images.repeat(1, 0, 1), InvalidArgument);
+  EXPECT_THROW(images.repeat(0, 1, 1), InvalidArgument);
+  EXPECT_THROW(images.repeat(0, 0, NAN), InvalidArgument);
+  Images<1> mirrors(grid, 0.5);
+  EXPECT_THROW(mirrors.mirror(0, false, NAN, Mirror::odd), InvalidArgument);
+  mirrors.mirror(0, false, 0.5, Mirror::odd);
+  EXPECT_THROW(mirrors.mirror(0, true, 0.4, Mirror::odd), InvalidArgument);
+  EXPECT_THROW(mirrors.repeat(0, 0, 1), InvalidArgument);
+}
+
 TEST(Mirrors, RefuseWhatTheyCannotMirror) {
   const CartesianGrid<2> grid({0, 0}, {1, 1}, 0.5);
   EXPECT_THROW(Images<2>(grid, 0), InvalidArgument);

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "recon/grid/reconstruct_on_grid.hpp"
-#include "recon/mpm/types.hpp"
+#include "recon/mpm/particles.hpp"
 #include "recon/transfer/cell_weights.hpp"
+#include "recon/transfer/images.hpp"
 #include "recon/transfer/mass_matrix.hpp"
 
 namespace recon::mpm {
@@ -52,6 +53,15 @@ struct MassSigns {
   std::optional<NegativeMass> negative, change;
 };
 
+// The images of particles that give to the nodes as particles do: beyond planes with images and the
+// ends of periods. Of the arrays of `particles` those are there that go to nodes.
+template <int D>
+struct ImageParticles {
+  std::vector<Image<D>> of;
+  Particles<D> particles;
+  std::vector<Vector<D>> body_force;  // per mass; empty: none
+};
+
 template <int D>
 struct Nodes {
   std::vector<double> mass;
@@ -68,6 +78,10 @@ struct Nodes {
   // K_i = sum_p V_p (lambda + 2 mu) |G_ip|^2, force / length.
   std::vector<Vector<D>> internal;
   std::vector<double> stiffness;
+  ImageParticles<D> images;
+  // The part of each node's mass that is not of images; empty without images. Sums over nodes weigh
+  // with it, so that what two nodes have in common counts once.
+  std::vector<double> share;
   CellWeights<D>
       weights;     // with which particles stand for cells; of adjoint_cells only, else empty
   FitReports fit;  // reports of a fitted velocity, at the nodes fit_nodes
@@ -85,6 +99,7 @@ struct Nodes {
     stiffness.assign(light_nodes ? count : 0, 0);
     unfitted = 0;
   }
+  double share_of(std::size_t i) const { return share.empty() ? 1 : share[i]; }
   // M x of a vector at each node, M diagonal with lumped mass.
   std::vector<Vector<D>> times_mass(const std::vector<Vector<D>>& x) const {
     std::vector<Vector<D>> out(x.size(), Vector<D>::Zero());

@@ -60,6 +60,15 @@ class HeldVelocity {
 // symmetry: the plane is one of symmetry, so that its normal velocity is zero, and what fits see
 // of the particles goes on beyond it as in a mirror (transfer/images.hpp). It must be a whole face
 // of the grid.
+//
+// images: no node is held, and the plane may lie anywhere between the nodes. Every particle has an
+// image beyond the plane, which gives its nodes mass, momentum and force as particles do, so that
+// nodes beyond the plane move as images: a roller is a mirror, and where all components are held
+// the image has the opposite velocity and force. The velocity of the plane is then zero up to
+// what the functions of the grid leave, and a particle may lie up to half a cell beyond it. The
+// bodies lie on the side of the farther face, and the grid goes on for `image_cells` beyond the
+// plane. On a plane of nodes linear functions at points see what a held node gives. (Ghost nodes by
+// image points are future work in Gong 2015, chapter 8.)
 template <int D>
 struct Boundary {
   int axis = 0;
@@ -67,7 +76,7 @@ struct Boundary {
   std::array<std::optional<HeldVelocity<D>>, D> velocity{};
   Vector<D> from = Vector<D>::Constant(-std::numeric_limits<double>::infinity());
   Vector<D> to = Vector<D>::Constant(std::numeric_limits<double>::infinity());
-  bool symmetry = false;
+  bool symmetry = false, images = false;
 
   // Whether a node of the plane is held, and a particle there meets a wall.
   bool covers(const Vector<D>& x, double margin) const {
@@ -78,11 +87,36 @@ struct Boundary {
   // Whether it is the lower (-1) or upper (1) face of the grid, or neither (0).
   int face(const Grid<D>& grid) const;
 
+  // With images: whether the bodies lie below it, and whether it holds all components.
+  bool is_upper(const Grid<D>& grid) const;
+  bool holds_all() const;
+
   // Throws InvalidArgument for an axis or a plane that the grid does not have, a velocity that is
   // not finite, a part of the plane without nodes, and a plane of symmetry that is not a whole face
-  // of the grid or holds another normal velocity than zero.
+  // of the grid or holds another normal velocity than zero. With images the plane must be whole,
+  // hold zero along its axis and zero or nothing along the others, and lie so far inside the grid
+  // as said above.
   void validate(const Grid<D>& grid) const;
 };
+
+// How many cells of the grid lie beyond a plane with images and beyond the ends of a period: as far
+// as a particle there sees nodes that fits and functions reach.
+inline constexpr int image_cells = 4;
+
+// A grid for problems in which what lies from lower to upper repeats itself along some axes: with
+// `image_cells` more on both ends of these. Throws as CartesianGrid does.
+template <int D>
+Grid<D> periodic_grid(const Vector<D>& lower, const Vector<D>& upper, double h,
+                      const std::array<bool, D>& periodic) {
+  const Grid<D> period(lower, upper, h);
+  Vector<D> from = lower, to = upper;
+  for (int d = 0; d < D; ++d) {
+    if (!periodic[d]) continue;
+    from[d] -= image_cells * h;
+    to[d] += image_cells * h;
+  }
+  return Grid<D>(from, to, h);
+}
 
 // Where a load acts: a place of the particle, in its reference domain and now, and the surface
 // there, outward normal times area. Both areas are zero for a load that has no surface.
@@ -175,9 +209,16 @@ struct TimeStep {
   std::size_t particle = 0;
 };
 
+// Along a periodic axis all but the outer `image_cells` cells of the grid (periodic_grid) are one
+// period of what repeats itself for ever. Particles near one end have images beyond the other, so
+// that all nodes in reach have what those of the next period have; a particle that leaves at one
+// end comes in at the other, and its reference place X and corners go with it, so that x - X is
+// its displacement as before. Positions lie in the period, angular momentum is about the origin as
+// everywhere, and jumps as a particle does.
 template <int D>
 struct Problem {
   Grid<D> grid;
+  std::array<bool, D> periodic{};
   Particles<D> particles;
   std::vector<Material> materials;  // one per body
   std::vector<double> densities;    // reference density, one per body
@@ -194,10 +235,15 @@ struct Problem {
 
   // What method and materials keep with each particle.
   Kept kept() const;
+  // From where to where particles may lie along an axis: a period, or between planes with images
+  // and the faces of the grid.
+  std::pair<double, double> room(int axis) const;
+  // Whether there are images of particles that give to the nodes.
+  bool has_images() const;
   // Throws InvalidArgument for a problem that cannot be stepped: choices of the method that do not
   // go together, arrays of particles of wrong length, values that are not finite or have a wrong
   // sign, a particle outside of the grid, a boundary on no plane of the grid, a body without a
-  // material.
+  // material, images that the method cannot have, a boundary across a periodic axis.
   void validate() const;
   // Checks particles that would take the place of those of the problem. What kept() counts may be
   // missing as a whole unless they are `complete`.

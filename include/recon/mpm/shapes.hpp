@@ -36,7 +36,7 @@ struct ParticleShape {
     return functions.nodes_along(grid, DomainOf::of(particles, p), d);
   }
   template <int D, class Velocity>
-  static void move(const Grid<D>&, Particles<D>&, std::size_t, const Velocity&, double) {}
+  static void move(Particles<D>&, std::size_t, const Velocity&, double) {}
 };
 
 struct AtPoint {
@@ -86,15 +86,10 @@ struct Cpdi2 {
                                          std::size_t p, int d) {
     return Cpdi2Functions::nodes_along<D>(grid, particles.corners[p], d);
   }
-  // Corners move with the grid; the particle is their centroid.
+  // Corners move with the velocity of the grid, velocity(x); the particle is their centroid.
   template <int D, class Velocity>
-  static void move(const Grid<D>& grid, Particles<D>& particles, std::size_t p,
-                   const Velocity& velocity, double dt) {
-    ContinuedLinearFunctions::Nodes<D> at;
-    for (Vector<D>& corner : particles.corners[p]) {
-      ContinuedLinearFunctions{}.at(grid, corner, at);
-      corner += dt * at.value(velocity, trusted);
-    }
+  static void move(Particles<D>& particles, std::size_t p, const Velocity& velocity, double dt) {
+    for (Vector<D>& corner : particles.corners[p]) corner += dt * velocity(corner);
     particles.x[p] = CornerDomain<D>(particles.corners[p]).centroid();
   }
 };

@@ -1,0 +1,89 @@
+// Images of particles that give to the nodes.
+#include "mpm/modes.hpp"
+#include "mpm/policies.hpp"
+#include "recon/transfer/scatter.hpp"
+
+namespace recon::mpm {
+
+template <int D>
+void ImagePolicy<D>::make(const State<D>& s, const std::vector<Vector<D>>& b,
+                          Nodes<D>& nodes) const {
+  nodes.images = {};
+  if (images_.empty()) return;
+  const Particles<D>& from = s.particles;
+  nodes.images.of = images_.of(from.x);
+  const auto& images = nodes.images.of;
+  Particles<D>& to = nodes.images.particles;
+  const Kept kept = this->problem_.kept();
+  const std::size_t modes = kept.modes;
+  from.arrays(kept, [&](const ParticleArray& array, const auto& values) {
+    if (values.empty()) return;
+    to.arrays(kept, [&](const ParticleArray& other, auto& copies) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(values)>,
+                                   std::decay_t<decltype(copies)>>) {
+        if (std::string_view(other.name) != array.name) return;
+        copies.resize(images.size() * array.per_particle);
+        for (std::size_t i = 0; i < images.size(); ++i)
+          std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(
+                                           images[i].of * array.per_particle),
+                      array.per_particle,
+                      copies.begin() + static_cast<std::ptrdiff_t>(i * array.per_particle));
+      }
+    });
+  });
+  if (!b.empty()) nodes.images.body_force.resize(images.size());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Image<D>& image = images[i];
+    // R mirrors places and M vectors, both without effect in a translation.
+    const Matrix<D> R = Image<D>::signs(image.mirrored).asDiagonal();
+    const Matrix<D> M = Image<D>::signs(image.reversed).asDiagonal();
+    to.x[i] = image.x;
+    to.v[i] = image.vector(from.v[image.of]);
+    to.F[i] = R * to.F[i] * R;
+    to.half_edges[i] = R * to.half_edges[i] * R;  // right-handed as before
+    to.L[i] = M * to.L[i] * R;
+    to.stress[i] = M * to.stress[i] * R;
+    if (!b.empty()) nodes.images.body_force[i] = image.vector(b[image.of]);
+    for (std::size_t a = 0; a < Particles<D>::corner_count && !to.corners.empty(); ++a)
+      to.corners[i][a] =
+          image.x + image.offset(from.corners[image.of][a ^ image.mirrored] - from.x[image.of]);
+    for (std::size_t r = 0; r < modes; ++r) {
+      // The slope along an axis; other polynomials have images in periods alone (problem.cpp).
+      const unsigned along = image.mirrored == 0 ? 0 : vector_parity(static_cast<int>(r));
+      to.modes[i * modes + r] =
+          mirror_sign(along, image.mirrored) * image.vector(from.modes[image.of * modes + r]);
+    }
+  }
+}
+
+template <int D>
+void ImagePolicy<D>::share(const State<D>& s, Nodes<D>& nodes) const {
+  nodes.share.clear();
+  if (images_.empty()) return;
+  const Problem<D>& problem = this->problem_;
+  const auto mass_of = [&](const Particles<D>& particles) {
+    std::vector<double> mass(nodes.mass.size());
+    with_shape(problem.method, [&](auto shape_of) {
+      using Seen = typename decltype(shape_of)::template Nodes<D>;
+      const auto rows = [&](std::size_t p) {
+        return shape_of.nodes_along(problem.grid, particles, p, D - 1);
+      };
+      scatter_by_rows<Seen>(particles.size(), problem.threads, rows,
+                            [&](std::size_t p, Seen& shape) {
+                              shape_of.shape(problem.grid, particles, p, shape);
+                              shape.add(mass, particles.mass[p], trusted);
+                            });
+    });
+    return mass;
+  };
+  nodes.share = mass_of(s.particles);
+  const std::vector<double> images = mass_of(nodes.images.particles);
+  for (std::size_t i = 0; i < images.size(); ++i)
+    nodes.share[i] = images[i] == 0 ? 1 : nodes.share[i] / (nodes.share[i] + images[i]);
+}
+
+template class ImagePolicy<1>;
+template class ImagePolicy<2>;
+template class ImagePolicy<3>;
+
+}  // namespace recon::mpm
