@@ -4,8 +4,10 @@
 // when to leave a target to find_neighbours_with.hpp, which serves it from the grid or from a tree.
 #pragma once
 
-#include <optional>
+#include <functional>
+#include <memory>
 
+#include "neighbourhood/any_search.hpp"
 #include "neighbourhood/brick.hpp"
 #include "neighbourhood/key_order.hpp"
 
@@ -19,6 +21,7 @@ class CellTargets {
   using Key = typename Coding::Key;
   using Target = GroupTarget<S, D>;
   using Limits = typename Brick<S, D, periodic>::Limits;
+  using Found = std::function<void(std::size_t target, S support)>;
 
   CellTargets(SharedByTargets<S, D>& shared, CellBuffers<S, D, Key>& buffers)
       : shared_(shared),
@@ -34,7 +37,6 @@ class CellTargets {
 
   // Calls found(target number, support radius) for each of the targets, which it puts into another
   // order. They should be close to each other, and have radii of one magnitude.
-  template <class Found>
   void find(std::span<Target> targets, const Found& found) {
     if (skip_ > 0) {
       --skip_;
@@ -51,7 +53,6 @@ class CellTargets {
   }
 
  private:
-  template <class Found>
   void find(std::span<Target> targets, S radius, int tries, const Found& found) {
     using Outcome = typename Brick<S, D, periodic>::Outcome;
     const Question<S>& question = shared_.question;
@@ -121,7 +122,6 @@ class CellTargets {
 
   // ---- Radius and Radii ----------------------------------------------------------------------
 
-  template <class Found>
   void all_within(const Target& target, const Found& found) {
     const S rho = shared_.question.radius_of(target.number);
     look(target, shared_.cube ? brick_.limits_of_cube(rho) : brick_.limits(rho), rho);
@@ -149,7 +149,6 @@ class CellTargets {
   // ---- Nearest and NearestWithin -------------------------------------------------------------
 
   // False if there may be others within the limit that are as near as those of the ball.
-  template <class Found>
   bool nearest(const Target& target, S radius, const Limits& limits, const Found& found) {
     const Question<S>& question = shared_.question;
     const auto k = static_cast<std::int64_t>(k_);
@@ -279,30 +278,30 @@ class CellTargets {
 
   // ---- Targets that are left to others -------------------------------------------------------
 
-  template <class Found>
   void find_in_grid(std::span<Target> targets, const Found& found) {
-    if (!general_)
-      general_.emplace(*shared_.grid, shared_.particles, shared_.targets, shared_.domain,
-                       shared_.options, shared_.spacing);
+    if (!general_) general_ = single_targets(*shared_.grid);
     find_with(*general_, targets, found);
   }
 
-  template <class Found>
   void find_in_tree(std::span<Target> targets, const Found& found) {
     if (!in_tree_) {
       tree_ = shared_.index.kd_tree();
-      in_tree_.emplace(*tree_, shared_.particles, shared_.targets, shared_.domain, shared_.options,
-                       shared_.spacing);
+      in_tree_ = single_targets(*tree_);
     }
     find_with(*in_tree_, targets, found);
   }
 
-  template <class Neighbours, class Found>
-  void find_with(Neighbours& neighbours, std::span<Target> targets, const Found& found) {
+  template <class Search>
+  std::unique_ptr<SingleTargets<S, D>> single_targets(const Search& search) const {
+    return std::make_unique<SingleTargets<S, D>>(AnySearch<S, D>(search), shared_.particles,
+                                                 shared_.targets, shared_.domain, shared_.options,
+                                                 shared_.spacing);
+  }
+
+  void find_with(SingleTargets<S, D>& neighbours, std::span<Target> targets, const Found& found) {
     for (const Target& target : targets) {
-      const S rho = std::visit([&](const auto& r) { return neighbours.find(target.number, r); },
-                               shared_.rule);
-      const auto& entries = neighbours.entries();
+      const S rho = neighbours.find(target.number, shared_.rule);
+      const auto& entries = neighbours.found();
       row_.take(static_cast<std::int64_t>(entries.size()),
                 [&](std::size_t i) { return Coding::of(entries[i].index, entries[i].shift); });
       if (shared_.by_index) row_.by_index();
@@ -325,9 +324,8 @@ class CellTargets {
   const double likely2_ =
       std::max(0.0, 1 - 2.6 / (shared_.axes * std::sqrt(std::max(1.0, static_cast<double>(k_)))));
   int skip_ = 0, next_skip_ = 0;  // groups to be left to the tree without a try
-  std::optional<TargetNeighbours<CellGrid<S, D>>> general_;
+  std::unique_ptr<SingleTargets<S, D>> general_, in_tree_;  // made when they are needed
   std::shared_ptr<const KdTree<S, D>> tree_;
-  std::optional<TargetNeighbours<KdTree<S, D>>> in_tree_;
 };
 
 }  // namespace recon::detail
