@@ -18,8 +18,8 @@ SingleTargets<S, D>::SingleTargets(const AnySearch<S, D>& search, const PointClo
                                    const PointCloud<S>& targets, const PeriodicDomain<S>& domain,
                                    const NeighbourOptions& options, S spacing)
     : search_(search),
-      neighbours_(std::make_unique<TargetNeighbours<AnySearch<S, D>>>(
-          search_, particles, targets, domain, options, spacing)) {}
+      neighbours_(std::make_unique<TargetNeighbours<AnySearch<S, D>>>(search_, particles, targets,
+                                                                      domain, options, spacing)) {}
 template <class S, int D>
 SingleTargets<S, D>::~SingleTargets() = default;
 
@@ -31,11 +31,10 @@ S SingleTargets<S, D>::find(std::size_t target, const NeighbourRule& rule) {
   return rho;
 }
 
-#define RECON_INSTANTIATE(S, D)                                                             \
-  template void find_one_by_one<D, S>(                                                      \
-      const AnySearch<S, D>&, const PointCloud<S>&, const PointCloud<S>&,                   \
-      const NeighbourRule&, const PeriodicDomain<S>&, const NeighbourOptions&,              \
-      NeighbourList<S>&);                                                                   \
+#define RECON_INSTANTIATE(S, D)                                                                 \
+  template void find_one_by_one<D, S>(                                                          \
+      const AnySearch<S, D>&, const PointCloud<S>&, const PointCloud<S>&, const NeighbourRule&, \
+      const PeriodicDomain<S>&, const NeighbourOptions&, NeighbourList<S>&);                    \
   template class SingleTargets<S, D>
 RECON_FOR_EACH_SCALAR_AND_DIMENSION(RECON_INSTANTIATE);
 #undef RECON_INSTANTIATE

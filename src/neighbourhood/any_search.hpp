@@ -30,10 +30,9 @@ class AnySearch {
         nearest_([](const void* own, const Point& x, std::size_t k, Found& found) {
           static_cast<const Search*>(own)->nearest(x, k, found);
         }),
-        nearest_within_(
-            [](const void* own, const Point& x, std::size_t k, S radius, Found& found) {
-              static_cast<const Search*>(own)->nearest_within(x, k, radius, found);
-            }),
+        nearest_within_([](const void* own, const Point& x, std::size_t k, S radius, Found& found) {
+          static_cast<const Search*>(own)->nearest_within(x, k, radius, found);
+        }),
         in_box_([](const void* own, const Point& lower, const Point& upper, Found& found) {
           static_cast<const Search*>(own)->in_box(lower, upper, found);
         }) {}

@@ -27,7 +27,6 @@ class CellTargets {
       : shared_(shared),
         brick_(shared, buffers),
         row_(shared.kernels, buffers),
-        far_(buffers.far),
         near2_(shared.start * shared.start) {}
 
   // The keys of the neighbours of the target that is told of, in order.
@@ -155,25 +154,25 @@ class CellTargets {
     S farthest2 = 0;
     bool in_order = false;  // by index
     brick_.look(target.x, limits.possible);
-    Smallest smallest{0, 0, 0};
+    Smallest smallest{};
     if (brick_.near().count >= k)
-      smallest = brick_.choose(k, brick_.measure_of(likely2_ * near2_), !shared_.by_index);
+      smallest = brick_.choose(k, brick_.measure_of(likely2_ * near2_), !shared_.by_index, radius);
     if (smallest.count < k || smallest.largest > limits.sure) {
       if (radius < question.radius) return false;
       look(target, limits, radius);  // all that there are within the limit
       farthest2 = of_taken();
     } else {
-      const Limits about = brick_.limits_of_measure(smallest.largest, radius);
-      if (smallest.count == k && smallest.next > about.possible) {
-        const std::size_t far = fetch_beyond(about.sure);
+      const float possible = brick_.limits_of_measure(smallest.largest, radius).possible;
+      if (smallest.count == k && smallest.next > possible) {
+        brick_.fetch_far(smallest);
         take(brick_.chosen());
         const bool ordered = shared_.by_index ||
                              (brick_.rank() && row_.by_rank(brick_.rank(), brick_.chosen().measure,
-                                                            about.possible - smallest.largest));
-        farthest2 = ordered ? farthest_of(far) : of_taken();
+                                                            possible - smallest.largest));
+        farthest2 = ordered ? brick_.farthest2(smallest) : of_taken();
         in_order = ordered && brick_.in_order();
       } else {  // it is the coordinates that tell which of them are the nearest
-        brick_.choose_up_to(about.possible);
+        brick_.choose_up_to(possible);
         take(brick_.chosen());
         farthest2 = of_taken();
       }
@@ -207,26 +206,6 @@ class CellTargets {
   S of_taken() {
     return row_.by_distance(
         k_, [this](std::size_t i) { return brick_.distance2(taken_->candidate[i]); });
-  }
-
-  // Of what has been chosen, the candidates that measure at least `least`: into far_, and fetched.
-  std::size_t fetch_beyond(float least) {
-    const NearArrays& chosen = brick_.chosen();
-    far_.resize(std::max(far_.size(), static_cast<std::size_t>(chosen.count) + 1));
-    std::size_t count = 0;
-    for (std::int64_t i = 0; i < chosen.count; ++i) {  // without a branch that depends on the data
-      far_[count] = chosen.candidate[i];
-      count += chosen.measure[i] >= least;
-    }
-    for (std::size_t i = 0; i < count; ++i) brick_.fetch(far_[i]);
-    return count;
-  }
-  // The largest squared distance of those.
-  S farthest_of(std::size_t count) const {
-    S farthest2 = 0;
-    for (std::size_t i = 0; i < count; ++i)
-      farthest2 = std::max(farthest2, brick_.distance2(far_[i]));
-    return farthest2;
   }
 
   // A radius that most likely holds k.
@@ -316,7 +295,6 @@ class CellTargets {
   Brick<S, D, periodic> brick_;
   KeyOrder<S, D, periodic> row_;
   const NearArrays* taken_ = nullptr;
-  std::vector<std::uint32_t>& far_;
   const std::size_t k_ =
       periodic ? shared_.question.k : std::min(shared_.question.k, shared_.particles.size());
   double near2_;  // squared k-th distance of the latest targets
