@@ -2,7 +2,6 @@
 // in parallel, and how their neighbours get into one list.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "core/counting_sort.hpp"
@@ -75,21 +74,27 @@ class AllTargets {
   std::size_t count() const { return shared_.targets.size(); }
   std::size_t target(std::size_t place) const { return order_.empty() ? place : order_[place]; }
 
-  // For each block in parallel take(block, targets, number), after the search for each target.
-  template <class Take>
-  void find_all(const Take& take) const {
-    recon::parallel_blocks(count(), targets_per_block, shared_.options.threads,
-                           shared_.options.progress, [&](std::size_t begin, std::size_t end) {
-                             const auto buffers = memory_.buffers.lend();
-                             Targets targets(shared_, *buffers);
-                             for (std::size_t s = begin; s < end;) {
-                               s = next_group(s, end, buffers->group);
-                               targets.find(std::span(buffers->group), [&](std::size_t t, S rho) {
-                                 list_.support[t] = rho;
-                                 take(begin / targets_per_block, targets, t);
-                               });
-                             }
-                           });
+  // The neighbours of all targets, into rows of known length, or else into the blocks.
+  void find_all(std::vector<FoundRows<Key>>* blocks) {
+    recon::parallel_blocks(
+        count(), targets_per_block, shared_.options.threads, shared_.options.progress,
+        [&](std::size_t begin, std::size_t end) {
+          const auto buffers = memory_.buffers.lend();
+          FoundRows<Key>* const block = blocks ? &(*blocks)[begin / targets_per_block] : nullptr;
+          Targets targets(shared_, *buffers);
+          const auto take = [&](std::size_t t, S rho) {
+            list_.support[t] = rho;
+            if (!block) return write(targets.begin(), row_length_, t * row_length_);
+            list_.offsets[t + 1] = static_cast<std::int64_t>(targets.size());
+            block->keys.insert(block->keys.end(), targets.begin(), targets.end());
+            block->targets.push_back(static_cast<std::uint32_t>(t));
+          };
+          const typename Targets::Found found = std::ref(take);  // without memory of its own
+          for (std::size_t s = begin; s < end;) {
+            s = next_group(s, end, buffers->group);
+            targets.find(std::span(buffers->group), found);
+          }
+        });
   }
 
   // Targets from place `begin` on that are close to each other and have radii of one magnitude.
@@ -144,8 +149,7 @@ class AllTargets {
       list_.offsets[t + 1] = static_cast<std::int64_t>((t + 1) * k);
     resize(count() * k);
     row_length_ = k;
-    find_all(
-        [&](std::size_t, const Targets& found, std::size_t t) { write(found.begin(), k, t * k); });
+    find_all(nullptr);
   }
 
   void find_rows_of_any_length() {
@@ -155,12 +159,7 @@ class AllTargets {
       block.keys.clear();
       block.targets.clear();
     }
-    find_all([&](std::size_t block, const Targets& found, std::size_t t) {
-      list_.offsets[t + 1] = static_cast<std::int64_t>(found.size());
-      FoundRows<Key>& rows = (*blocks)[block];
-      rows.keys.insert(rows.keys.end(), found.begin(), found.end());
-      rows.targets.push_back(static_cast<std::uint32_t>(t));
-    });
+    find_all(&*blocks);
     for (std::size_t t = 0; t < count(); ++t) list_.offsets[t + 1] += list_.offsets[t];
     resize(static_cast<std::size_t>(list_.offsets.back()));
     recon::parallel_blocks(blocks->size(), 1, shared_.options.threads,

@@ -95,10 +95,9 @@ class Brick {
   // than that one, and what measures more than `possible` is farther.
   Limits limits_of_measure(float measure, S radius) const {
     if constexpr (std::is_same_v<S, float>) return {measure, measure};
-    const double m = measure, off = 2 * std::sqrt(double(D)) * error_;
-    double r = radius * cells_.view().units;  // what the measured distance does not exceed
-    if (!(r * r < 4 * m)) r = std::sqrt(m);
-    return around(m - off * (2 * r + off), m + off * (2 * r + off));
+    const double m = measure, r = radius * cells_.view().units;
+    const double slack = slack_within(r * r < 4 * m ? r : std::sqrt(m));
+    return around(m - slack, m + slack);
   }
 
   // Those that measure at most `limit` from a target in the box, in order, into near().
@@ -119,20 +118,46 @@ class Brick {
   const NearArrays& near() const { return near_; }
 
   // The k that measure least into chosen(), in order or, with `ranked`, in no order. Of near()
-  // there must be k at least. See select_smallest().
-  Smallest choose(std::int64_t k, float probably, bool ranked) {
+  // there must be k at least, all within the radius. Those that may be the farthest of the chosen count
+  // as far. See select_smallest().
+  Smallest choose(std::int64_t k, float probably, bool ranked, S radius) {
+    double slack = 0;
+    if constexpr (!std::is_same_v<S, float>)
+      slack = std::min(1.001 * slack_within(radius * cells_.view().units), 1e38);
+    const FarArrays far{static_cast<float>(slack), buffers_.far.data()};
     if (near_.count <= shared_.kernels.most_ranked) {
       const auto& kernel = ranked ? shared_.kernels.rank_smallest : shared_.kernels.select_smallest;
-      return kernel(near_, k, probably, rest_, buffers_.rank.data(), chosen_);
+      return kernel(near_, k, probably, rest_, buffers_.rank.data(), chosen_, far);
     }
+    Smallest result{0, 0, std::numeric_limits<float>::infinity(), 0};
     float* const sorted = buffers_.rank.data();
     std::copy_n(near_.measure, near_.count, sorted);
     std::nth_element(sorted, sorted + (k - 1), sorted + near_.count);
-    const float largest = sorted[k - 1];
-    choose_up_to(largest);
+    result.largest = sorted[k - 1];
+    choose_up_to(result.largest);
+    result.count = chosen_.count;
     const float* const next = std::min_element(sorted + k, sorted + near_.count);
-    return {chosen_.count, largest,
-            next < sorted + near_.count ? *next : std::numeric_limits<float>::infinity()};
+    if (next < sorted + near_.count) result.next = *next;
+    const float from = limits_of_measure(result.largest, radius).sure;
+    for (std::int64_t i = 0; i < chosen_.count; ++i) {
+      far.candidate[result.far] = chosen_.candidate[i];
+      result.far += chosen_.measure[i] >= from;
+    }
+    return result;
+  }
+  // The largest squared distance of those that have just been chosen, and fetches what that needs.
+  void fetch_far(const Smallest& chosen) const {
+    if constexpr (!std::is_same_v<S, float>)
+      for (std::int64_t i = 0; i < chosen.far; ++i)
+        __builtin_prefetch(cells_.points().data() +
+                           std::size_t{candidates_.place[buffers_.far[i]]} * D);
+  }
+  S farthest2(const Smallest& chosen) const {
+    if constexpr (std::is_same_v<S, float>) return chosen.largest;
+    S farthest2 = 0;
+    for (std::int64_t i = 0; i < chosen.far; ++i)
+      farthest2 = std::max(farthest2, distance2(buffers_.far[i]));
+    return farthest2;
   }
   // Those that measure at most `limit`.
   void choose_up_to(float limit) {
@@ -163,10 +188,6 @@ class Brick {
     S farthest = 0;
     for (int d = 0; d < D; ++d) farthest = std::max(farthest, std::abs(seen[d] - p[d]));
     return farthest;
-  }
-  // Fetches what distance2() will need.
-  void fetch(std::uint32_t candidate) const {
-    __builtin_prefetch(cells_.points().data() + std::size_t{candidates_.place[candidate]} * D);
   }
   Key key(std::uint32_t candidate) const {
     return Coding::of(cells_.index(candidates_.place[candidate]), shift_of(candidate));
@@ -201,6 +222,13 @@ class Brick {
     const S move = static_cast<S>(shift) * shared_.domain.period(d), far = reach(radius);
     const auto& box = shared_.particles.box();
     return lower[d] - move - far <= box.upper[d] && upper[d] - move + far >= box.lower[d];
+  }
+
+  // By how much two measures can differ at most where the one that measures more is nearer than the
+  // other, and the measured distances are at most r (on the coarse scale).
+  double slack_within(double r) const {
+    const double off = 2 * std::sqrt(double(D)) * error_;
+    return off * (2 * r + off);
   }
 
   static Limits around(double sure, double possible) {
@@ -261,7 +289,8 @@ class Brick {
       buffers_.x[d].resize(count + beyond);
       candidates_.x[d] = buffers_.x[d].data();
     }
-    for (auto* array : {&buffers_.place, &buffers_.candidate, &buffers_.chosen, &buffers_.rest})
+    for (auto* array :
+         {&buffers_.place, &buffers_.candidate, &buffers_.chosen, &buffers_.rest, &buffers_.far})
       array->resize(count + beyond);
     for (auto* array :
          {&buffers_.measure, &buffers_.rank, &buffers_.chosen_measure, &buffers_.rest_measure})

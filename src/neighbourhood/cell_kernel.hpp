@@ -83,10 +83,19 @@ struct NearArrays {
   std::int64_t count = 0;
 };
 
-// Those of rank 0 .. k - 1, and the largest measure of them and the least of the others.
+// How many have rank 0 .. k - 1, the largest measure of them and the least of the others; and how
+// many of them measure nearly as much as the largest.
 struct Smallest {
   std::int64_t count;
   float largest, next;
+  std::int64_t far;
+};
+
+// Which of the chosen measure nearly as much as the largest of them: all from (largest - slack) less
+// 2^-19 of it on. Room for as many as there are candidates, and 64 more.
+struct FarArrays {
+  float slack;
+  std::uint32_t* candidate;
 };
 
 // collect: adds the particles of the box, by ascending place. Stops when the work exceeds its
@@ -97,6 +106,7 @@ struct Smallest {
 // select_smallest: puts into `chosen`, in order, those than which fewer than k are smaller; of
 // `near` there must be k at least. `probably` is a measure that most likely fewer than k do not
 // exceed: those need no ranks, or ranks among themselves only. All arrays have room for 64 more.
+// The numbers of the candidates that are nearly the farthest go into `far`.
 // rank_smallest: the same in no order, with rank[i] = how many measure less than chosen i.
 // count_at_most: how many of the values are at most `limit`.
 #define RECON_CELL_KERNELS                                                                         \
@@ -111,9 +121,10 @@ struct Smallest {
   template <class T>                                                                               \
   void ranks(T* values, std::int64_t count, T* rank);                                              \
   Smallest select_smallest(const NearArrays& near, std::int64_t k, float probably,                 \
-                           NearArrays& rest, float* rank, NearArrays& chosen);                     \
+                           NearArrays& rest, float* rank, NearArrays& chosen,                      \
+                           const FarArrays& far);                                                  \
   Smallest rank_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest, \
-                         float* rank, NearArrays& chosen);                                         \
+                         float* rank, NearArrays& chosen, const FarArrays& far);                   \
   std::int64_t count_at_most(const float* values, std::int64_t count, float limit)
 RECON_FOR_EACH_SET(RECON_CELL_KERNELS)
 #undef RECON_CELL_KERNELS

@@ -18,6 +18,11 @@ using Floats = Pack<float>;
 constexpr std::int64_t lanes = LaneTraits<Floats>::lanes;
 
 // Of the particles first .. first + left - 1, as many as `lanes`, those in the box.
+// From where on a measure is nearly the largest (FarArrays).
+inline float far_from(float largest, float slack) {
+  return (largest - slack) * (1 - 1.0f / (1 << 19));
+}
+
 #ifdef __AVX512VL__
 inline __m512 about(const std::int32_t* x, std::int32_t centre) {
   return _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(x), _mm512_set1_epi32(centre)));
@@ -113,7 +118,67 @@ inline Smallest add_ranked(const NearArrays& near, const float* rank, float end,
                      _mm512_maskz_compress_ps(kept, _mm512_add_ps(ranked, _mm512_set1_ps(more))));
     put(near, i, kept, chosen);
   }
-  return {chosen.count, _mm512_reduce_max_ps(largest), _mm512_reduce_min_ps(next)};
+  return {chosen.count, _mm512_reduce_max_ps(largest), _mm512_reduce_min_ps(next), 0};
+}
+
+// As rank_smallest(), of at most so many vectors, all in registers: what is stored would have to
+// reach the cache before it is read as other vectors. With `ranks`, in order, but no ranks without.
+template <int vectors, bool ranks>
+inline Smallest rank_in_registers(const NearArrays& near, std::int64_t k, float* rank,
+                                  NearArrays& chosen, const FarArrays& far) {
+  const __m512 infinity = _mm512_set1_ps(std::numeric_limits<float>::infinity());
+  const __m512i one = _mm512_set1_epi32(1);
+  __m512 measure[vectors];
+  __m512i smaller[vectors];
+  for (int v = 0; v < vectors; ++v) {
+    measure[v] = _mm512_mask_loadu_ps(infinity, first_lanes(near.count - v * lanes),
+                                      near.measure + v * lanes);
+    smaller[v] = _mm512_setzero_si512();
+  }
+  for (std::int64_t j = 0; j < near.count; ++j) {
+    const __m512 other = _mm512_set1_ps(near.measure[j]);
+    for (int v = 0; v < vectors; ++v)
+      smaller[v] = _mm512_mask_add_epi32(
+          smaller[v], _mm512_cmp_ps_mask(other, measure[v], _CMP_LT_OQ), smaller[v], one);
+  }
+  __mmask16 kept[vectors];
+  __m512 largest = _mm512_setzero_ps(), next = infinity;
+  const __m512i end = _mm512_set1_epi32(static_cast<int>(k));
+  for (int v = 0; v < vectors; ++v) {
+    const __mmask16 there = first_lanes(near.count - v * lanes);
+    kept[v] = _mm512_mask_cmp_epi32_mask(there, smaller[v], end, _MM_CMPINT_LT);
+    largest = _mm512_mask_max_ps(largest, kept[v], largest, measure[v]);
+    next = _mm512_mask_min_ps(next, static_cast<__mmask16>(~kept[v]), next, measure[v]);
+  }
+  Smallest result{0, _mm512_reduce_max_ps(largest), _mm512_reduce_min_ps(next), 0};
+  const __m512 from = _mm512_set1_ps(far_from(result.largest, far.slack));
+  for (int v = 0; v < vectors; ++v) {
+    const __m512i candidate = _mm512_loadu_si512(near.candidate + v * lanes);
+    _mm512_storeu_ps(chosen.measure + result.count, _mm512_maskz_compress_ps(kept[v], measure[v]));
+    _mm512_storeu_si512(chosen.candidate + result.count,
+                        _mm512_maskz_compress_epi32(kept[v], candidate));
+    if constexpr (ranks)
+      _mm512_storeu_ps(rank + result.count,
+                       _mm512_maskz_compress_ps(kept[v], _mm512_cvtepi32_ps(smaller[v])));
+    const __mmask16 beyond = _mm512_mask_cmp_ps_mask(kept[v], measure[v], from, _CMP_GE_OQ);
+    _mm512_storeu_si512(far.candidate + result.far, _mm512_maskz_compress_epi32(beyond, candidate));
+    result.count += __builtin_popcount(kept[v]);
+    result.far += __builtin_popcount(beyond);
+  }
+  chosen.count = result.count;
+  return result;
+}
+
+// Few enough for that?
+inline bool fit_registers(const NearArrays& near) {
+  return near.count <= 4 * lanes;
+}
+template <bool ranks>
+inline Smallest rank_few(const NearArrays& near, std::int64_t k, float* rank, NearArrays& chosen,
+                         const FarArrays& far) {
+  if (near.count <= lanes) return rank_in_registers<1, ranks>(near, k, rank, chosen, far);
+  if (near.count <= 2 * lanes) return rank_in_registers<2, ranks>(near, k, rank, chosen, far);
+  return rank_in_registers<4, ranks>(near, k, rank, chosen, far);
 }
 #else
 template <int D>
@@ -170,7 +235,7 @@ inline void part(const NearArrays& near, float limit, NearArrays& low, NearArray
 
 inline Smallest add_ranked(const NearArrays& near, const float* rank, float end, float more,
                            float* all_ranks, NearArrays& chosen) {
-  Smallest result{0, 0, std::numeric_limits<float>::infinity()};
+  Smallest result{0, 0, std::numeric_limits<float>::infinity(), 0};
   for (std::int64_t i = 0; i < near.count; ++i) {
     const float measure = near.measure[i];
     const bool kept = rank[i] < end;
@@ -183,6 +248,14 @@ inline Smallest add_ranked(const NearArrays& near, const float* rank, float end,
   }
   result.count = chosen.count;
   return result;
+}
+
+inline bool fit_registers(const NearArrays&) {
+  return false;
+}
+template <bool ranks>
+inline Smallest rank_few(const NearArrays&, std::int64_t, float*, NearArrays&, const FarArrays&) {
+  return {};
 }
 #endif
 
@@ -326,6 +399,16 @@ void ranks(T* values, std::int64_t count, T* rank) {
 
 namespace {
 
+// Adds those of the chosen that are nearly the farthest.
+Smallest with_far(Smallest result, const NearArrays& chosen, const FarArrays& far) {
+  const float from = far_from(result.largest, far.slack);
+  for (std::int64_t i = 0; i < chosen.count; ++i) {  // without a branch that depends on the data
+    far.candidate[result.far] = chosen.candidate[i];
+    result.far += chosen.measure[i] >= from;
+  }
+  return result;
+}
+
 // All ranked, in order.
 Smallest rank_all(const NearArrays& near, std::int64_t k, float* rank, NearArrays& chosen) {
   ranks(near.measure, near.count, rank);
@@ -336,24 +419,25 @@ Smallest rank_all(const NearArrays& near, std::int64_t k, float* rank, NearArray
 }  // namespace
 
 Smallest rank_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest,
-                       float* rank, NearArrays& chosen) {
-  if (near.count <= lanes) return rank_all(near, k, rank, chosen);
+                       float* rank, NearArrays& chosen, const FarArrays& far) {
+  if (fit_registers(near)) return rank_few<true>(near, k, rank, chosen, far);
   chosen.count = rest.count = 0;
   part(near, probably, chosen, rest);
-  if (chosen.count >= k) return rank_all(near, k, rank, chosen);
+  if (chosen.count >= k) return with_far(rank_all(near, k, rank, chosen), chosen, far);
   const std::int64_t low = chosen.count;
   ranks(chosen.measure, low, rank);
   ranks(rest.measure, rest.count, rank + low);
-  return add_ranked(rest, rank + low, static_cast<float>(k - low), static_cast<float>(low), rank,
-                    chosen);
+  const Smallest result = add_ranked(rest, rank + low, static_cast<float>(k - low),
+                                     static_cast<float>(low), rank, chosen);
+  return with_far(result, chosen, far);
 }
 
 Smallest select_smallest(const NearArrays& near, std::int64_t k, float probably, NearArrays& rest,
-                         float* rank, NearArrays& chosen) {
-  if (near.count <= lanes) return rank_all(near, k, rank, chosen);
+                         float* rank, NearArrays& chosen, const FarArrays& far) {
+  if (fit_registers(near)) return rank_few<false>(near, k, rank, chosen, far);
   chosen.count = rest.count = 0;
   part(near, probably, chosen, rest);
-  if (chosen.count >= k) return rank_all(near, k, rank, chosen);
+  if (chosen.count >= k) return with_far(rank_all(near, k, rank, chosen), chosen, far);
   const std::int64_t low = chosen.count;
   ranks(rest.measure, rest.count, rank);
   chosen.count = 0;
@@ -361,7 +445,7 @@ Smallest select_smallest(const NearArrays& near, std::int64_t k, float probably,
   chosen.count = rest.count = 0;
   part(near, result.largest, chosen, rest);  // in order
   result.count = chosen.count;
-  return result;
+  return with_far(result, chosen, far);
 }
 
 std::int64_t count_at_most(const float* values, std::int64_t count, float limit) {

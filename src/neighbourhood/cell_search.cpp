@@ -2,6 +2,7 @@
 
 #include "core/instantiate.hpp"
 #include "neighbourhood/all_targets.hpp"
+#include "recon/neighbourhood/question_checks.hpp"
 
 namespace recon::detail {
 
@@ -28,7 +29,7 @@ bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& 
     AllTargets<Scalar, D, true>(shared, rows.in_order, list).find();
   else
     AllTargets<Scalar, D, false>(shared, rows.in_order, list).find();
-  list.support_factor = support_factor<Scalar>(rule);
+  list.support_factor = static_cast<Scalar>(shared.question.factor);
   return true;
 }
 

@@ -4,8 +4,10 @@
 // when to leave a target to find_neighbours_with.hpp, which serves it from the grid or from a tree.
 #pragma once
 
-#include <optional>
+#include <functional>
+#include <memory>
 
+#include "neighbourhood/any_search.hpp"
 #include "neighbourhood/brick.hpp"
 #include "neighbourhood/key_order.hpp"
 
@@ -19,12 +21,12 @@ class CellTargets {
   using Key = typename Coding::Key;
   using Target = GroupTarget<S, D>;
   using Limits = typename Brick<S, D, periodic>::Limits;
+  using Found = std::function<void(std::size_t target, S support)>;
 
   CellTargets(SharedByTargets<S, D>& shared, CellBuffers<S, D, Key>& buffers)
       : shared_(shared),
         brick_(shared, buffers),
         row_(shared.kernels, buffers),
-        far_(buffers.far),
         near2_(shared.start * shared.start) {}
 
   // The keys of the neighbours of the target that is told of, in order.
@@ -34,7 +36,6 @@ class CellTargets {
 
   // Calls found(target number, support radius) for each of the targets, which it puts into another
   // order. They should be close to each other, and have radii of one magnitude.
-  template <class Found>
   void find(std::span<Target> targets, const Found& found) {
     if (skip_ > 0) {
       --skip_;
@@ -51,7 +52,6 @@ class CellTargets {
   }
 
  private:
-  template <class Found>
   void find(std::span<Target> targets, S radius, int tries, const Found& found) {
     using Outcome = typename Brick<S, D, periodic>::Outcome;
     const Question<S>& question = shared_.question;
@@ -121,7 +121,6 @@ class CellTargets {
 
   // ---- Radius and Radii ----------------------------------------------------------------------
 
-  template <class Found>
   void all_within(const Target& target, const Found& found) {
     const S rho = shared_.question.radius_of(target.number);
     look(target, shared_.cube ? brick_.limits_of_cube(rho) : brick_.limits(rho), rho);
@@ -149,32 +148,31 @@ class CellTargets {
   // ---- Nearest and NearestWithin -------------------------------------------------------------
 
   // False if there may be others within the limit that are as near as those of the ball.
-  template <class Found>
   bool nearest(const Target& target, S radius, const Limits& limits, const Found& found) {
     const Question<S>& question = shared_.question;
     const auto k = static_cast<std::int64_t>(k_);
     S farthest2 = 0;
     bool in_order = false;  // by index
     brick_.look(target.x, limits.possible);
-    Smallest smallest{0, 0, 0};
+    Smallest smallest{};
     if (brick_.near().count >= k)
-      smallest = brick_.choose(k, brick_.measure_of(likely2_ * near2_), !shared_.by_index);
+      smallest = brick_.choose(k, brick_.measure_of(likely2_ * near2_), !shared_.by_index, radius);
     if (smallest.count < k || smallest.largest > limits.sure) {
       if (radius < question.radius) return false;
       look(target, limits, radius);  // all that there are within the limit
       farthest2 = of_taken();
     } else {
-      const Limits about = brick_.limits_of_measure(smallest.largest, radius);
-      if (smallest.count == k && smallest.next > about.possible) {
-        const std::size_t far = fetch_beyond(about.sure);
+      const float possible = brick_.limits_of_measure(smallest.largest, radius).possible;
+      if (smallest.count == k && smallest.next > possible) {
+        brick_.fetch_far(smallest);
         take(brick_.chosen());
         const bool ordered = shared_.by_index ||
                              (brick_.rank() && row_.by_rank(brick_.rank(), brick_.chosen().measure,
-                                                            about.possible - smallest.largest));
-        farthest2 = ordered ? farthest_of(far) : of_taken();
+                                                            possible - smallest.largest));
+        farthest2 = ordered ? brick_.farthest2(smallest) : of_taken();
         in_order = ordered && brick_.in_order();
       } else {  // it is the coordinates that tell which of them are the nearest
-        brick_.choose_up_to(about.possible);
+        brick_.choose_up_to(possible);
         take(brick_.chosen());
         farthest2 = of_taken();
       }
@@ -208,26 +206,6 @@ class CellTargets {
   S of_taken() {
     return row_.by_distance(
         k_, [this](std::size_t i) { return brick_.distance2(taken_->candidate[i]); });
-  }
-
-  // Of what has been chosen, the candidates that measure at least `least`: into far_, and fetched.
-  std::size_t fetch_beyond(float least) {
-    const NearArrays& chosen = brick_.chosen();
-    far_.resize(std::max(far_.size(), static_cast<std::size_t>(chosen.count) + 1));
-    std::size_t count = 0;
-    for (std::int64_t i = 0; i < chosen.count; ++i) {  // without a branch that depends on the data
-      far_[count] = chosen.candidate[i];
-      count += chosen.measure[i] >= least;
-    }
-    for (std::size_t i = 0; i < count; ++i) brick_.fetch(far_[i]);
-    return count;
-  }
-  // The largest squared distance of those.
-  S farthest_of(std::size_t count) const {
-    S farthest2 = 0;
-    for (std::size_t i = 0; i < count; ++i)
-      farthest2 = std::max(farthest2, brick_.distance2(far_[i]));
-    return farthest2;
   }
 
   // A radius that most likely holds k.
@@ -279,30 +257,30 @@ class CellTargets {
 
   // ---- Targets that are left to others -------------------------------------------------------
 
-  template <class Found>
   void find_in_grid(std::span<Target> targets, const Found& found) {
-    if (!general_)
-      general_.emplace(*shared_.grid, shared_.particles, shared_.targets, shared_.domain,
-                       shared_.options, shared_.spacing);
+    if (!general_) general_ = single_targets(*shared_.grid);
     find_with(*general_, targets, found);
   }
 
-  template <class Found>
   void find_in_tree(std::span<Target> targets, const Found& found) {
     if (!in_tree_) {
       tree_ = shared_.index.kd_tree();
-      in_tree_.emplace(*tree_, shared_.particles, shared_.targets, shared_.domain, shared_.options,
-                       shared_.spacing);
+      in_tree_ = single_targets(*tree_);
     }
     find_with(*in_tree_, targets, found);
   }
 
-  template <class Neighbours, class Found>
-  void find_with(Neighbours& neighbours, std::span<Target> targets, const Found& found) {
+  template <class Search>
+  std::unique_ptr<SingleTargets<S, D>> single_targets(const Search& search) const {
+    return std::make_unique<SingleTargets<S, D>>(AnySearch<S, D>(search), shared_.particles,
+                                                 shared_.targets, shared_.domain, shared_.options,
+                                                 shared_.spacing);
+  }
+
+  void find_with(SingleTargets<S, D>& neighbours, std::span<Target> targets, const Found& found) {
     for (const Target& target : targets) {
-      const S rho = std::visit([&](const auto& r) { return neighbours.find(target.number, r); },
-                               shared_.rule);
-      const auto& entries = neighbours.entries();
+      const S rho = neighbours.find(target.number, shared_.rule);
+      const auto& entries = neighbours.found();
       row_.take(static_cast<std::int64_t>(entries.size()),
                 [&](std::size_t i) { return Coding::of(entries[i].index, entries[i].shift); });
       if (shared_.by_index) row_.by_index();
@@ -317,7 +295,6 @@ class CellTargets {
   Brick<S, D, periodic> brick_;
   KeyOrder<S, D, periodic> row_;
   const NearArrays* taken_ = nullptr;
-  std::vector<std::uint32_t>& far_;
   const std::size_t k_ =
       periodic ? shared_.question.k : std::min(shared_.question.k, shared_.particles.size());
   double near2_;  // squared k-th distance of the latest targets
@@ -325,9 +302,8 @@ class CellTargets {
   const double likely2_ =
       std::max(0.0, 1 - 2.6 / (shared_.axes * std::sqrt(std::max(1.0, static_cast<double>(k_)))));
   int skip_ = 0, next_skip_ = 0;  // groups to be left to the tree without a try
-  std::optional<TargetNeighbours<CellGrid<S, D>>> general_;
+  std::unique_ptr<SingleTargets<S, D>> general_, in_tree_;  // made when they are needed
   std::shared_ptr<const KdTree<S, D>> tree_;
-  std::optional<TargetNeighbours<KdTree<S, D>>> in_tree_;
 };
 
 }  // namespace recon::detail

@@ -3,10 +3,11 @@
 #include <type_traits>
 
 #include "core/instantiate.hpp"
+#include "neighbourhood/any_search.hpp"
 #include "neighbourhood/cell_search.hpp"
 #include "neighbourhood/find_with_index.hpp"
 #include "neighbourhood/pair_search.hpp"
-#include "recon/neighbourhood/find_neighbours_with.hpp"
+#include "recon/neighbourhood/question_checks.hpp"
 
 namespace recon {
 
@@ -42,7 +43,7 @@ void find_with_index(SearchIndex<Scalar, D>& index, const PointCloud<Scalar>& ta
   require(targets.dimension() == particles.dimension(), "dimension of the targets",
           targets.dimension(), "must be the dimension of the particles");
   const auto with = [&](const auto& search) {
-    list = find_neighbours_with(*search, particles, targets, rule, domain, options);
+    find_one_by_one(AnySearch<Scalar, D>(*search), particles, targets, rule, domain, options, list);
   };
   const bool automatic = options.search == SearchMethod::automatic;
   if (automatic && particles.size() <= few_particles) return with(index.brute_force());

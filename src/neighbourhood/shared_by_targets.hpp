@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "neighbourhood/search_index.hpp"
-#include "recon/neighbourhood/find_neighbours_with.hpp"
+#include "recon/neighbourhood/mean_spacing.hpp"
 
 namespace recon::detail {
 
