@@ -11,19 +11,19 @@
 namespace recon::mpm {
 namespace {
 
-constexpr int cells = 32;  // per unit length: h = 1 / cells, c_p = 1
+constexpr int bar_cells = 32;  // per unit length: h = 1 / bar_cells, c_p = 1
 
 // A bar that fills the grid, held at its ends and between rollers; `free`: the same with a cell
 // around it, and nothing that holds it.
 template <int D>
-Problem<D> bar(const Method& method, int per_cell, int length = cells, bool free = false) {
+Problem<D> bar(const Method& method, int per_cell, int length = bar_cells, bool free = false) {
   constexpr int across = 4;
   const int around = free ? 2 : 0;  // an even number of cells, for elements of 2 x 2
   Problem<D> problem;
-  Vector<D> lower = Vector<D>::Constant(-static_cast<double>(around) / cells), upper;
-  upper.setConstant(static_cast<double>(across + around) / cells);
-  upper[0] = static_cast<double>(length + around) / cells;
-  problem.grid = Grid<D>(lower, upper, 1.0 / cells);
+  Vector<D> lower = Vector<D>::Constant(-static_cast<double>(around) / bar_cells), upper;
+  upper.setConstant(static_cast<double>(across + around) / bar_cells);
+  upper[0] = static_cast<double>(length + around) / bar_cells;
+  problem.grid = Grid<D>(lower, upper, 1.0 / bar_cells);
   problem.materials = {LinearElastic{Lame{0, 0.5}}};
   problem.densities = {1};
   problem.method = method;
@@ -59,7 +59,7 @@ double energy(const Particles<D>& particles) {
 // Does small noise stay small?
 template <int D>
 bool stable(const Method& method, int per_cell, double courant, bool free = false) {
-  constexpr int steps = D == 1 ? 2000 : 1000, length = D == 1 ? cells : D == 2 ? 16 : 6;
+  constexpr int steps = D == 1 ? 2000 : 1000, length = D == 1 ? bar_cells : D == 2 ? 16 : 6;
   constexpr double growth = 100;
   Problem<D> problem = bar<D>(method, per_cell, length, free);
   std::mt19937 random(1);
@@ -71,7 +71,7 @@ bool stable(const Method& method, int per_cell, double courant, bool free = fals
   Simulation<D> simulation(std::move(problem));
   try {
     for (int s = 0; s < steps; ++s) {
-      simulation.step(courant / cells);
+      simulation.step(courant / bar_cells);
       if (!(energy(simulation.particles()) <= growth * start)) return false;
     }
   } catch (const Failure&) {
@@ -109,7 +109,7 @@ StabilityLimit stability_limit(const Method& method, int per_cell, int dimension
   Problem<1> problem = bar<1>(method, per_cell);
   // Alternating values at the nodes, seen by the particles; alternating stresses of the cells.
   for (std::size_t p = 0; p < problem.particles.size(); ++p) {
-    const double x = problem.particles.x[p][0] * cells;
+    const double x = problem.particles.x[p][0] * bar_cells;
     const int cell = static_cast<int>(x);
     const double sign = cell % 2 == 0 ? 1 : -1;
     problem.particles.v[p][0] = sign * (1 - 2 * (x - cell));
@@ -117,8 +117,8 @@ StabilityLimit stability_limit(const Method& method, int per_cell, int dimension
   }
   Simulation<1> simulation(problem);
   simulation.map();
-  limit.W = simulation.nodes().mapped[cells / 2][0];
-  if (method.quadrature == Quadrature::cells) limit.Q = simulation.cells().values(cells / 2, 1);
+  limit.W = simulation.nodes().mapped[bar_cells / 2][0];
+  if (method.quadrature == Quadrature::cells) limit.Q = simulation.cells().values(bar_cells / 2, 1);
   limit.analytic = 1 / std::sqrt(limit.Q * (2 - limit.W));
 
   limit.measured = largest_stable(method, 1, per_cell, 0.002);
@@ -127,9 +127,9 @@ StabilityLimit stability_limit(const Method& method, int per_cell, int dimension
 
 std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, double courant) {
   std::vector<DispersionPoint> curve;
-  const double dt = courant / cells, none = std::numeric_limits<double>::quiet_NaN();
-  for (int mode = 1; mode < cells; mode += 2) {
-    const double k = mode * std::numbers::pi, kh = k / cells;
+  const double dt = courant / bar_cells, none = std::numeric_limits<double>::quiet_NaN();
+  for (int mode = 1; mode < bar_cells; mode += 2) {
+    const double k = mode * std::numbers::pi, kh = k / bar_cells;
     Problem<1> problem = bar<1>(method, per_cell);
     for (std::size_t p = 0; p < problem.particles.size(); ++p)
       problem.particles.v[p][0] = 1e-6 * std::sin(k * problem.particles.x[p][0]);
@@ -149,7 +149,7 @@ std::vector<DispersionPoint> dispersion(const Method& method, int per_cell, doub
     };
     std::vector<Extreme> extremes;
     double before = 0, now = 0;
-    while (extremes.size() < 4 && simulation.steps() < 200 * cells) {
+    while (extremes.size() < 4 && simulation.steps() < 200 * bar_cells) {
       const double time = simulation.time();
       simulation.step(dt);
       const double next = amplitude();
