@@ -32,7 +32,8 @@ Problem<D> wavy(const std::string& method, double offset, int on_grid = 16) {
   for (std::size_t p = 0; p < problem.particles.size(); ++p) {
     const Vector<D> X = problem.particles.X[p] / h;
     for (int d = 0; d < D; ++d)
-      problem.particles.v[p][d] = 0.1 * std::sin(1 + X.sum() + 2 * X[d]) + 0.05 * std::cos(3 * X[0]);
+      problem.particles.v[p][d] =
+          0.1 * std::sin(1 + X.sum() + 2 * X[d]) + 0.05 * std::cos(3 * X[0]);
   }
   return problem;
 }
@@ -90,9 +91,8 @@ TEST(ImagesInARoller, GiveWhatTheOtherHalfOfTheBodyGives) {
       half.particles.L[p] = Matrix<2>{{0.1, 0.4}, {-0.2, std::sin(2 * p)}};
     }
     // A load on the surface of the particle next to the plane.
-    Load<2> load{0, {0.02, 0.01}, {}, [](const LoadedPlace<2>&, double) {
-                   return Vector<2>(3, 7);
-                 }};
+    Load<2> load{
+        0, {0.02, 0.01}, {}, [](const LoadedPlace<2>&, double) { return Vector<2>(3, 7); }};
     load.area.setZero();
     half.loads = {load};
     Problem<2> whole = half;
@@ -169,7 +169,8 @@ TYPED_TEST_SUITE(ImagesAtNodes, AllDimensions);
 TYPED_TEST(ImagesAtNodes, GiveWhatHeldNodesGive) {
   constexpr int D = TypeParam::value;
   for (const bool fixed : {false, true})
-    for (const char* method : {"mpm", "mpm+musl", "mpm+first", "mpm+affine+blend=0.1", "imls_mpm"}) {
+    for (const char* method :
+         {"mpm", "mpm+musl", "mpm+first", "mpm+affine+blend=0.1", "imls_mpm"}) {
       if (std::string(method) == "imls_mpm" && fixed) continue;  // fits: without images one-sided
       Problem<D> held = wavy<D>(method, 5);
       Problem<D> images = held;
@@ -297,9 +298,8 @@ TEST(CornersOfDomains, FollowTheGridBeyondItsFaces) {
   Step<2> step(problem);
   step(state, dt);
   for (std::size_t a = 0; a < 4; ++a)
-    EXPECT_LE(
-        (state.particles.corners[last][a] - before[a] - dt * velocity_at(before[a])).norm(),
-        1e-13);
+    EXPECT_LE((state.particles.corners[last][a] - before[a] - dt * velocity_at(before[a])).norm(),
+              1e-13);
 }
 
 template <int D>

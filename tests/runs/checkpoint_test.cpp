@@ -114,7 +114,8 @@ class MpmCheckpoint : public InFolder {
 TEST_F(MpmCheckpoint, GoesOnThroughAPeriod) {
   const auto text = [&](const std::string& periodic) {
     std::string of = with("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"\n", "");
-    of.replace(of.find("body_force = [\"-A * x\", 0]"), 25, "body_force = [\"-A * sin(2*pi*x)\", 0]");
+    of.replace(of.find("body_force = [\"-A * x\", 0]"), 25,
+               "body_force = [\"-A * sin(2*pi*x)\", 0]");
     of.replace(of.find("[\"A\", 0]"), 8, "[30, 0]");
     of.replace(of.find("cells = 4"), 9, "cells = 4\nperiodic = " + periodic);
     return of.replace(of.find("cpls"), 4, "cpdi2");
