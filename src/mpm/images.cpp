@@ -24,10 +24,10 @@ void ImagePolicy<D>::make(const State<D>& s, const std::vector<Vector<D>>& b,
         if (std::string_view(other.name) != array.name) return;
         copies.resize(images.size() * array.per_particle);
         for (std::size_t i = 0; i < images.size(); ++i)
-          std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(
-                                           images[i].of * array.per_particle),
-                      array.per_particle,
-                      copies.begin() + static_cast<std::ptrdiff_t>(i * array.per_particle));
+          std::copy_n(
+              values.begin() + static_cast<std::ptrdiff_t>(images[i].of * array.per_particle),
+              array.per_particle,
+              copies.begin() + static_cast<std::ptrdiff_t>(i * array.per_particle));
       }
     });
   });

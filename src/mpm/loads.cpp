@@ -95,8 +95,7 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
           [](const Image<D>& each, std::size_t particle) { return each.of < particle; });
       for (; image != images.end() && image->of == load.particle; ++image)
         act(load, nodes.images.particles, static_cast<std::size_t>(image - images.begin()),
-            image->x + image->offset(place.x - s.particles.x[load.particle]),
-            image->vector(force));
+            image->x + image->offset(place.x - s.particles.x[load.particle]), image->vector(force));
     }
   });
 }

@@ -272,9 +272,9 @@ int for_mirrors(const Problem<D>& problem, const Particles<D>& particles, const 
                 const Shape& shape_of, std::size_t p, At& at, const Each& each) {
   const std::vector<Image<D>>& images = nodes.images.of;  // in the order of particles
   int count = 0;
-  auto image = std::lower_bound(
-      images.begin(), images.end(), p,
-      [](const Image<D>& one, std::size_t particle) { return one.of < particle; });
+  auto image =
+      std::lower_bound(images.begin(), images.end(), p,
+                       [](const Image<D>& one, std::size_t particle) { return one.of < particle; });
   for (; image != images.end() && image->of == p; ++image) {
     bool near = image->mirrored != 0;
     for (int d = 0; d < D; ++d)

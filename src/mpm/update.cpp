@@ -71,7 +71,8 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
         fill_modes(grid, shape_of, image.x, at, method.velocity, scratch.modes);
         scratch.modes.coefficients(at, from.carried, scratch.of_image.data(), trusted);
         for (std::size_t r = 0; r < modes; ++r)  // slopes along the axes (problem.cpp)
-          particles.modes[p * modes + r] += M * scratch.of_image[r] * R.diagonal()[static_cast<int>(r)];
+          particles.modes[p * modes + r] +=
+              M * scratch.of_image[r] * R.diagonal()[static_cast<int>(r)];
       };
       const int more = for_mirrors(problem, particles, nodes, shape_of, p, scratch.image, add);
       seen.v /= 1 + more;

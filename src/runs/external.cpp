@@ -83,8 +83,8 @@ ExternalForces<D> external_forces(const Simulation<D>& simulation) {
   std::vector<std::array<bool, D>> is_held(count, std::array<bool, D>{});
   for (const auto& held : step.policies().boundaries.held()) {
     bool& seen = is_held[held.node][static_cast<std::size_t>(held.axis)];
-    const double R = nodes.share_of(held.node) *
-                     (gained[held.node][held.axis] - force(held.node)[held.axis]);
+    const double R =
+        nodes.share_of(held.node) * (gained[held.node][held.axis] - force(held.node)[held.axis]);
     out.reactions.push_back({held.boundary, held.node, held.axis, R, !seen});
     if (!seen) {
       out.held += std::abs(R);
@@ -97,7 +97,8 @@ ExternalForces<D> external_forces(const Simulation<D>& simulation) {
     if (!(std::abs(nodes.mass[i]) > lightest)) continue;
     const Vector<D> f = force(i);
     for (int d = 0; d < D; ++d)
-      if (!is_held[i][static_cast<std::size_t>(d)]) out.unbalanced += nodes.share_of(i) * std::abs(f[d]);
+      if (!is_held[i][static_cast<std::size_t>(d)])
+        out.unbalanced += nodes.share_of(i) * std::abs(f[d]);
   }
   out.applied = applied(problem, simulation.particles(), step.body_force(), out.loads);
   return out;

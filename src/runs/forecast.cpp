@@ -157,8 +157,7 @@ Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles,
     found.warnings.push_back("damping.mass times the first step, " + number(slowed) +
                              ", is above 1: damping reverses velocities");
   const std::string broken = caveat(problem.method);
-  if (!broken.empty() &&
-      (is_element(problem.method.basis) || has_empty_cells(problem, particles)))
+  if (!broken.empty() && (is_element(problem.method.basis) || has_empty_cells(problem, particles)))
     found.warnings.push_back(broken);
   return found;
 }

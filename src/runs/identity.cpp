@@ -81,7 +81,9 @@ Identity identity_of(const Problem<D>& problem, const Particles<D>& particles,
     const std::string key = "boundary " + std::to_string(b + 1) + ".";
     add(key + "axis", std::string(1, "xyz"[boundary.axis]));
     add(key + "at", text_of(boundary.at));
-    add(key + "velocity", velocity);
+    // Where it is a formula, its text says more.
+    if (velocity.find("a function") == std::string::npos || !formulas.contains(key + "velocity"))
+      add(key + "velocity", velocity);
     add(key + "from", text_of<D>(boundary.from));
     add(key + "to", text_of<D>(boundary.to));
     add(key + "symmetry", boundary.symmetry ? "true" : "false");

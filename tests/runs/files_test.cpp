@@ -447,7 +447,7 @@ TEST_F(MpmFiles, ImagesAndPeriods) {
     EXPECT_EQ(message(text), "");
     return std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml")).problem;
   };
-  const std::string wide = with("lower = [0.0, 0.0]", "lower = [-1.0, 0.0]");
+  const std::string wide = with("lower = [0.0, 0.0]", "lower = [-0.5, 0.0]");
   const auto at = [&](const std::string& place) {
     std::string text = wide;
     return text.replace(text.find("at = 0\n"), 6, place);
