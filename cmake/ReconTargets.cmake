@@ -1,5 +1,13 @@
 # How a room becomes part of a library, and how the libraries are installed.
 
+# Where the files of a target compile in large pieces, g++ takes the files of a piece for headers, and what one of them
+# has to itself for what the others see. What it warns of then is no fault; clang and builds file by file still look.
+function(recon_allow_pieces target)
+  if(RECON_QUICK_BUILD)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage -Wno-shadow>)
+  endif()
+endfunction()
+
 # Warnings and sanitizers, for everything that is built here and nothing that consumes it.
 function(recon_set_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion

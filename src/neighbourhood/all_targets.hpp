@@ -47,10 +47,9 @@ void sort_by_bricks(const Cells<S, D>& cells, const PointCloud<S>& targets, int 
 template <class S, int D, bool periodic>
 class AllTargets {
  public:
-  // With `in_order` targets follow each other in space as they are.
-  AllTargets(SharedByTargets<S, D>& shared, bool in_order, NeighbourList<S>& list)
-      : shared_(shared), memory_(shared.index.template memory<Key>()), list_(list) {
-    if (in_order) return;
+  AllTargets(SharedByTargets<S, D>& shared, const RowsAsked& rows, NeighbourList<S>& list)
+      : shared_(shared), rows_(rows), memory_(shared.index.template memory<Key>()), list_(list) {
+    if (rows.in_order) return;
     sort_by_bricks(shared.grid->sorted_cells(), shared.targets, shared.options.threads, sort_);
     order_ = sort_.order();
   }
@@ -94,6 +93,7 @@ class AllTargets {
             s = next_group(s, end, buffers->group);
             targets.find(std::span(buffers->group), found);
           }
+          if (!block && rows_.finished && order_.empty()) rows_.finished(begin, end);
         });
   }
 
@@ -149,6 +149,8 @@ class AllTargets {
       list_.offsets[t + 1] = static_cast<std::int64_t>((t + 1) * k);
     resize(count() * k);
     row_length_ = k;
+    list_.support_factor = static_cast<S>(shared_.question.factor);
+    if (rows_.start && order_.empty()) rows_.start();
     find_all(nullptr);
   }
 
@@ -185,6 +187,7 @@ class AllTargets {
   }
 
   SharedByTargets<S, D>& shared_;
+  const RowsAsked& rows_;
   CellSearchMemory<S, D, Key>& memory_;
   CountingSort sort_;
   std::span<const std::uint32_t> order_;  // empty: as they are

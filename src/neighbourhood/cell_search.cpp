@@ -26,9 +26,9 @@ bool find_by_cells(SearchIndex<Scalar, D>& particles, const PointCloud<Scalar>& 
       shared.grid->sorted_cells().mean_company() > too_many)
     return false;
   if (domain.any())
-    AllTargets<Scalar, D, true>(shared, rows.in_order, list).find();
+    AllTargets<Scalar, D, true>(shared, rows, list).find();
   else
-    AllTargets<Scalar, D, false>(shared, rows.in_order, list).find();
+    AllTargets<Scalar, D, false>(shared, rows, list).find();
   list.support_factor = static_cast<Scalar>(shared.question.factor);
   return true;
 }

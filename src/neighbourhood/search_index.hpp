@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <tuple>
@@ -26,6 +27,11 @@ struct RowsAsked {
   bool in_order = false;  // targets follow each other in space as they are (sort_by_bricks)
   // Rows by ascending (index, shift), whatever the rule says, where the search by cells finds them.
   bool by_index = false;
+  // Where the search by cells finds rows of one known length, of targets that are in order: `start`
+  // is called when the list has its size, then `finished` for each block of rows that it has, in
+  // parallel. Both or neither.
+  std::function<void()> start{};
+  std::function<void(std::size_t begin, std::size_t end)> finished{};
 };
 
 // The candidates of a Brick (brick.hpp) that belong to one periodic image: those from the end of the

@@ -81,7 +81,7 @@ bool FitProblem<Scalar>::grow(const NeighbourRule& rule, const NeighbourOptions&
     cloud_->find(at, enlarged(rule, dimension(), factor, missing, supports), larger,
                  {.in_order = true, .by_index = true}, list);
     Array<Scalar> values;
-    std::vector<FitReport> grown;
+    Array<FitReport> grown;
     fit_list(at, list, search.progress, values, grown);
     std::vector<bool> take;
     std::vector<std::size_t> still;

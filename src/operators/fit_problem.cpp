@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/instantiate.hpp"
 #include "operators/far_targets.hpp"
@@ -128,31 +129,39 @@ void FitProblem<Scalar>::fit_taken() {
   }
   nearest_rows_.clear();
   too_far_.clear();
+  indices_are_callers_ = false;
   order_targets();
   // Of a second fit, after supports have grown, it is not known how much there will be.
   const bool may_grow = !own_neighbours_ && options_.grow.steps > 0;
-  const double found = own_neighbours_ ? 0 : 0.4, fitted = may_grow ? 0.8 : 1;
+  const double first_fits = may_grow ? 0.8 : 1;
+  const double found = own_neighbours_ ? 0 : fits_while_finding() ? first_fits : 0.4;
   NeighbourOptions search = search_options();
   search.progress = part_of(options_.progress, 0, found);
   NeighbourRule rule;
+  bool fitted = false;
   if (own_neighbours_) {
     neighbours_ = std::move(given_);
     cloud_->to_places(neighbours_.indices, neighbours_.indices.data(), options_.threads);
   } else {
     rule = ordered_rule(ordered_supports_);
-    cloud_->find(targets_, rule, search, {.in_order = true, .by_index = true}, neighbours_);
+    fitted = find_and_fit(rule, search, !may_grow && options_.unsupported != Unsupported::nearest);
   }
 
-  search.progress = part_of(options_.progress, found, found);  // what comes now is short
-  mark_too_far(!own_neighbours_ && search.shape == SupportShape::ball, search);
-  fit_list(targets_, neighbours_, part_of(options_.progress, found, fitted), values_, row_reports_);
-  search.progress = part_of(options_.progress, fitted, fitted);
+  const auto at = [&](double part) { return part_of(options_.progress, part, part); };
+  if (!fitted) {
+    search.progress = at(found);  // what comes now is short
+    mark_too_far(!own_neighbours_ && search.shape == SupportShape::ball, search);
+    fit_list(targets_, neighbours_, part_of(options_.progress, found, first_fits), values_,
+             row_reports_);
+  }
+  search.progress = at(first_fits);
   if (may_grow && grow(rule, search))
-    fit_list(targets_, neighbours_, part_of(options_.progress, fitted, 1), values_, row_reports_);
-  search.progress = part_of(options_.progress, 1, 1);
+    fit_list(targets_, neighbours_, part_of(options_.progress, first_fits, 1), values_,
+             row_reports_);
+  search.progress = at(1);
   if (options_.unsupported == Unsupported::nearest) use_nearest(search);
-  for (std::size_t t = 0; t < row_reports_.size(); ++t)
-    if (is_too_far(t)) row_reports_[t].status = FitStatus::too_far;
+  for (std::size_t t = 0; t < too_far_.size(); ++t)
+    if (too_far_[t]) row_reports_[t].status = FitStatus::too_far;
   make_pattern();
   std::vector<FitReport> reports = reports_.give_up();
   reports.resize(row_reports_.size());
@@ -165,9 +174,48 @@ void FitProblem<Scalar>::fit_taken() {
 }
 
 template <class Scalar>
-void FitProblem<Scalar>::forget_buffers() const {
+bool FitProblem<Scalar>::fits_while_finding() const {
+  return !own_neighbours_ && std::holds_alternative<Nearest>(rule_) && !options_.visible &&
+         (options_.search == SearchMethod::automatic ||
+          options_.search == SearchMethod::cell_grid) &&
+         std::isinf(options_.max_distance);
+}
+
+template <class Scalar>
+bool FitProblem<Scalar>::find_and_fit(const NeighbourRule& rule, const NeighbourOptions& search,
+                                      bool last) {
+  bool fitted = false;
+  const auto start = [&] {
+    fitted = true;
+    indices_are_callers_ = last;
+    values_.resize(neighbours_.indices.size());
+    row_reports_.resize(neighbours_.targets());
+  };
+  const auto finished = [&](std::size_t begin, std::size_t end) {
+    fit_rows(shape_problem(targets_, neighbours_), begin, end, values_, row_reports_);
+    if (!last) return;
+    const std::int64_t first = neighbours_.offsets[begin], behind = neighbours_.offsets[end];
+    cloud_->to_callers(
+        std::span(neighbours_.indices)
+            .subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(behind - first)),
+        1);
+  };
+  RowsAsked rows{.in_order = true, .by_index = true};
+  if (fits_while_finding()) {  // by reference, so that nothing is allocated
+    rows.start = std::ref(start);
+    rows.finished = std::ref(finished);
+  }
+  cloud_->find(targets_, rule, search, rows, neighbours_);
+  return fitted;
+}
+
+template <class Scalar>
+void FitProblem<Scalar>::forget_buffers() {
   cloud_->forget_buffers();
   kernel_->forget_buffers();
+  incoming_ = {};
+  sort_ = {};
+  row_reports_ = {};
 }
 
 template <class Scalar>
@@ -191,7 +239,7 @@ void FitProblem<Scalar>::make_pattern() {
     if (row_reports_[t].status == FitStatus::no_support ||
         row_reports_[t].status == FitStatus::too_far)
       made.empty_rows.push_back(static_cast<std::uint32_t>(t));
-  cloud_->to_callers(neighbours_.indices, options_.threads);
+  if (!indices_are_callers_) cloud_->to_callers(neighbours_.indices, options_.threads);
   made.target_of = std::move(target_of_);
   made.neighbours = std::move(neighbours_);
 }
@@ -270,19 +318,25 @@ ShapeProblem<Scalar> FitProblem<Scalar>::shape_problem(
 }
 
 template <class Scalar>
+void FitProblem<Scalar>::fit_rows(const ShapeProblem<Scalar>& problem, std::size_t begin,
+                                  std::size_t end, Array<Scalar>& values,
+                                  Array<FitReport>& reports) const {
+  ShapeRows<Scalar> rows;
+  rows.value = values.data();
+  rows.report = reports.data();
+  kernel_->evaluate(problem, begin, end, rows);
+}
+
+template <class Scalar>
 void FitProblem<Scalar>::fit_list(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
                                   const Progress& progress, Array<Scalar>& values,
-                                  std::vector<FitReport>& reports) const {
+                                  Array<FitReport>& reports) const {
   values.resize(list.indices.size());
   reports.resize(list.targets());
   const ShapeProblem<Scalar> problem = shape_problem(at, list);
-  recon::parallel_blocks(list.targets(), targets_per_block, options_.threads, progress,
-                         [&](std::size_t begin, std::size_t end) {
-                           ShapeRows<Scalar> rows;
-                           rows.value = values.data();
-                           rows.report = reports.data();
-                           kernel_->evaluate(problem, begin, end, rows);
-                         });
+  recon::parallel_blocks(
+      list.targets(), targets_per_block, options_.threads, progress,
+      [&](std::size_t begin, std::size_t end) { fit_rows(problem, begin, end, values, reports); });
 }
 
 template <class Scalar>

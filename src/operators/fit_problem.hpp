@@ -49,7 +49,7 @@ class FitProblem {
   void fit(Array<Scalar> values);
 
   // Gives back the memory that is kept for the next fit.
-  void forget_buffers() const;
+  void forget_buffers();
 
   const Options& options() const { return options_; }
   bool has_own_neighbours() const { return own_neighbours_; }
@@ -89,8 +89,14 @@ class FitProblem {
   void evaluate(const Rows& rows) const;
   // Fits the targets of a list; `values` per entry and `reports` per target.
   void fit_list(const PointCloud<Scalar>& at, const NeighbourList<Scalar>& list,
-                const Progress& progress, Array<Scalar>& values,
-                std::vector<FitReport>& reports) const;
+                const Progress& progress, Array<Scalar>& values, Array<FitReport>& reports) const;
+  void fit_rows(const ShapeProblem<Scalar>& problem, std::size_t begin, std::size_t end,
+                Array<Scalar>& values, Array<FitReport>& reports) const;
+  // Finds the neighbours of the targets and, where the search goes along with that, fits each block
+  // of them while all that belongs to it is in the cache. Returns whether it has. With `last`
+  // nothing is asked of the list afterwards: the indices of these rows become the caller's.
+  bool fits_while_finding() const;
+  bool find_and_fit(const NeighbourRule& rule, const NeighbourOptions& search, bool last);
   bool is_too_far(std::size_t t) const { return !too_far_.empty() && too_far_[t]; }
 
   // Targets farther from every particle than Options::max_distance lose their neighbours.
@@ -115,8 +121,9 @@ class FitProblem {
   Array<std::uint32_t> target_of_;    // until make_pattern() takes it
   NeighbourList<Scalar> neighbours_;  // likewise
   Array<Scalar> values_;
-  std::vector<FitReport> row_reports_;
+  Array<FitReport> row_reports_;  // in the order of the targets here
   FitReports reports_;
+  bool indices_are_callers_ = false;         // those of neighbours_; else they are places
   std::vector<std::uint32_t> nearest_rows_;  // targets that have the value of the nearest particle
   std::vector<bool> too_far_;                // empty: none is
   std::shared_ptr<SparsityPattern<Scalar>> pattern_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <type_traits>
 
 #include "core/instantiate.hpp"
 #include "recon/core/parallel.hpp"
@@ -14,7 +15,7 @@ namespace {
 using detail::coordinate_name;
 using detail::require;
 
-constexpr std::size_t points_per_block = 16384, most_blocks = 256;
+constexpr std::size_t points_per_block = 16384, most_blocks = 256, points_at_once = 512;
 
 }  // namespace
 
@@ -37,8 +38,11 @@ void PointCloud<Scalar>::assign(const PointsView<Scalar>& points, const char* na
   boxes.fill(box_);
   const std::size_t block = std::max(points_per_block, (size_ + most_blocks - 1) / most_blocks);
   parallel_blocks(size_, block, threads, [&](std::size_t begin, std::size_t end) {
-    for (int d = 0; d < dimension_; ++d)
-      copy_axis(points, begin, end, d, name, domain, boxes[begin / block]);
+    // Few enough that the axes after the first find them in the first cache.
+    for (std::size_t first = begin; first < end; first += points_at_once)
+      for (int d = 0; d < dimension_; ++d)
+        copy_axis(points, first, std::min(end, first + points_at_once), d, name, domain,
+                  boxes[begin / block]);
   });
   for (const Box<Scalar>& box : boxes)
     for (int d = 0; d < dimension_ && !box.is_empty(); ++d) {
@@ -62,20 +66,25 @@ void PointCloud<Scalar>::copy_axis(const PointsView<Scalar>& points, std::size_t
   const auto stride = static_cast<std::size_t>(dimension_);
   Scalar* const to = coordinates_.data() + d;
   bool finite = true;
+  Scalar lower = points(begin, d), upper = lower;
   for (std::size_t i = begin; i < end; ++i) {
     const Scalar x = points(i, d);
     finite &= std::abs(x) <= std::numeric_limits<Scalar>::max();
+    lower = std::min(lower, x);
+    upper = std::max(upper, x);
     to[i * stride] = x;
   }
   for (std::size_t i = begin; i < end && !finite; ++i)
     if (!std::isfinite(to[i * stride]))
       detail::throw_invalid(coordinate_name(i, d, name), to[i * stride], "must be finite");
-  if (domain.periodic[d])
-    for (std::size_t i = begin; i < end; ++i) to[i * stride] = domain.wrap(to[i * stride], d);
-  Scalar lower = to[begin * stride], upper = lower;
-  for (std::size_t i = begin; i < end; ++i) {
-    lower = std::min(lower, to[i * stride]);
-    upper = std::max(upper, to[i * stride]);
+  if (domain.periodic[d]) {
+    lower = upper = domain.wrap(lower, d);
+    for (std::size_t i = begin; i < end; ++i) {
+      Scalar& x = to[i * stride];
+      x = domain.wrap(x, d);
+      lower = std::min(lower, x);
+      upper = std::max(upper, x);
+    }
   }
   box.add(d, lower);
   box.add(d, upper);
@@ -89,11 +98,17 @@ void PointCloud<Scalar>::assign_permuted(const PointCloud& other,
   box_ = other.box_;
   const auto stride = static_cast<std::size_t>(dimension_);
   coordinates_.resize(size_ * stride);
-  parallel_blocks(size_, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t d = 0; d < stride; ++d)
-        coordinates_[i * stride + d] = other.coordinates_[order[i] * stride + d];
-  });
+  const auto copy = [&]<std::size_t D>(std::integral_constant<std::size_t, D>) {
+    const Scalar* const from = other.coordinates_.data();
+    Scalar* const to = coordinates_.data();
+    parallel_blocks(size_, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t d = 0; d < D; ++d) to[i * D + d] = from[std::size_t{order[i]} * D + d];
+    });
+  };
+  if (dimension_ == 1) copy(std::integral_constant<std::size_t, 1>{});
+  if (dimension_ == 2) copy(std::integral_constant<std::size_t, 2>{});
+  if (dimension_ == 3) copy(std::integral_constant<std::size_t, 3>{});
 }
 
 template <class Scalar>
