@@ -40,9 +40,9 @@ class NeighboursInside : public ::testing::Test {
       }
     for (std::size_t t = 0; t < many; ++t)
       for (int d = 0; d < D; ++d)
-        targets[t][d] = t % 2 ? particles[7 * t % particles.size()][d]
-                              : lower[d] + (Scalar(1.2) * at[t][d] - Scalar(0.1)) *
-                                               (upper[d] - lower[d]);
+        targets[t][d] =
+            t % 2 ? particles[7 * t % particles.size()][d]
+                  : lower[d] + (Scalar(1.2) * at[t][d] - Scalar(0.1)) * (upper[d] - lower[d]);
     return targets;
   }
 
@@ -61,7 +61,7 @@ class NeighboursInside : public ::testing::Test {
   }
 
   static void expect_nearest(const std::string& name, const List& particles,
-                      const PeriodicDomain<double>& periodic = {}) {
+                             const PeriodicDomain<double>& periodic = {}) {
     const List targets = targets_among(particles);
     PeriodicDomain<Scalar> domain;
     domain.periodic = periodic.periodic;
@@ -72,11 +72,12 @@ class NeighboursInside : public ::testing::Test {
     const PointCloud<Scalar> p(points_of(particles), "points", domain),
         t(points_of(targets), "targets", domain);
     List wrapped_particles(particles), wrapped_targets(targets);
-    for (std::size_t i = 0; i < particles.size(); ++i) wrapped_particles[i] = p.template point<D>(i);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      wrapped_particles[i] = p.template point<D>(i);
     for (std::size_t i = 0; i < targets.size(); ++i) wrapped_targets[i] = t.template point<D>(i);
     for (const std::size_t k : {std::size_t{1}, std::size_t{20}, std::size_t{150}}) {
-      const auto expected = find_neighbours(p, t, Nearest{k}, domain,
-                                            {.search = SearchMethod::brute_force});
+      const auto expected =
+          find_neighbours(p, t, Nearest{k}, domain, {.search = SearchMethod::brute_force});
       for (const InstructionSet set : available_instruction_sets()) {
         SCOPED_TRACE(name + ", k = " + std::to_string(k) + ", " + std::string(name_of(set)));
         Options options{.degree = 1, .neighbours = Nearest{k}, .solver = Solver::moment_matrix};
@@ -88,9 +89,8 @@ class NeighboursInside : public ::testing::Test {
         ASSERT_EQ(found.offsets, expected.offsets);
         ASSERT_EQ(found.support, expected.support);
         for (std::size_t i = 0; i < targets.size(); ++i) {
-          ASSERT_EQ(
-              sorted_distances(wrapped_particles, wrapped_targets, found, i, domain),
-              sorted_distances(wrapped_particles, wrapped_targets, expected, i, domain))
+          ASSERT_EQ(sorted_distances(wrapped_particles, wrapped_targets, found, i, domain),
+                    sorted_distances(wrapped_particles, wrapped_targets, expected, i, domain))
               << "target " << i;
           std::vector<std::pair<ParticleIndex, ImageShift>> members;
           for (std::int64_t e = found.offsets[i]; e < found.offsets[i + 1]; ++e)
