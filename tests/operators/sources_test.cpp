@@ -55,13 +55,13 @@ void expect_same_bits(const BasicReconstruction<Scalar>& a, const BasicReconstru
   }
 }
 
-struct Case {
+struct SourcesCase {
   std::string name;
   Options options;
 };
 
 template <int D>
-std::vector<Case> cases() {
+std::vector<SourcesCase> cases() {
   const double h = std::pow(900.0, -1.0 / D);
   return {{"nearest", {.degree = 1}},
           {"degree 2", {.degree = 2, .solver = Solver::moment_matrix}},
@@ -83,7 +83,7 @@ void check_cases(const PeriodicDomain<double>& domain, const std::vector<double>
   const auto points = random_points<double, D>(900, 5), moved = random_points<double, D>(900, 6);
   const auto targets = random_points<double, D>(600, 7), few = random_points<double, D>(70, 8);
   Sources sources(points_of(points), {.domain = domain, .particle_weights = weights});
-  for (const Case& c : cases<D>()) {
+  for (const SourcesCase& c : cases<D>()) {
     Options direct = c.options;
     direct.domain = domain;
     direct.particle_weights = weights;
