@@ -113,7 +113,7 @@ class MpmCheckpoint : public InFolder {
 // A run through the end of a period goes on from a checkpoint to the last bit.
 TEST_F(MpmCheckpoint, GoesOnThroughAPeriod) {
   const auto text = [&](const std::string& periodic) {
-    std::string of = with("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"\n", "");
+    std::string of = changed("[[boundary]]\naxis = \"x\"\nat = 0\nkind = \"roller\"\n", "");
     of.replace(of.find("[\"-A * x\", 0]"), 13, "[\"-A * sin(2*pi*x)\", 0]");
     of.replace(of.find("[\"A\", 0]"), 8, "[30, 0]");
     of.replace(of.find("cells = 4"), 9, "cells = 4\nperiodic = " + periodic);
@@ -141,7 +141,7 @@ TEST_F(MpmCheckpoint, GoesOnThroughAPeriod) {
 // The text of a formula that a boundary holds is a part of the problem.
 TEST_F(MpmCheckpoint, KnowsTheVelocitiesOfItsBoundaries) {
   const auto text = [&](const std::string& velocity) {
-    return with("kind = \"roller\"", "kind = \"velocity\"\nvelocity = [" + velocity + ", 0]");
+    return changed("kind = \"roller\"", "kind = \"velocity\"\nvelocity = [" + velocity + ", 0]");
   };
   write(text("\"0.1 * t\""), {});
   EXPECT_EQ(refusal(text("\"0.1 * t\"")), "");
