@@ -6,12 +6,14 @@ namespace recon::mpm {
 template <int D>
 BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem) {
   const Grid<D>& grid = problem.grid;
+  const Images<D> images = images_of(problem, false);
+  for (int d = 0; d < D; ++d) rooms_[d] = problem.room(d);
   // A part of a plane is held in all periods, and in mirrors.
   const auto covered = [&](const Boundary<D>& boundary, const Vector<D>& x) {
     const double margin = 1e-6 * grid.h();
     if (boundary.covers(x, margin)) return true;
-    if (!problem.has_images()) return false;
-    for (const Image<D>& image : images_of(problem, false).of({x}))
+    if (images.empty()) return false;
+    for (const Image<D>& image : images.of({x}))
       if (boundary.covers(image.x, margin)) return true;
     return false;
   };
@@ -83,7 +85,7 @@ void BoundaryPolicy<D>::keep_in_room(std::size_t p, State<D>& s) const {
   const Problem<D>& problem = this->problem_;
   Particles<D>& particles = s.particles;
   for (int d = 0; d < D; ++d) {
-    const auto [from, to] = problem.room(d);
+    const auto [from, to] = rooms_[d];
     const double x = particles.x[p][d];
     if (problem.periodic[d]) {
       if (x >= from && x <= to) continue;

@@ -34,15 +34,14 @@ void ImagePolicy<D>::make(const State<D>& s, const std::vector<Vector<D>>& b,
   if (!b.empty()) nodes.images.body_force.resize(images.size());
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Image<D>& image = images[i];
-    // R mirrors places and M vectors, both without effect in a translation.
+    // R mirrors places; it has no effect in a translation.
     const Matrix<D> R = Image<D>::signs(image.mirrored).asDiagonal();
-    const Matrix<D> M = Image<D>::signs(image.reversed).asDiagonal();
     to.x[i] = image.x;
     to.v[i] = image.vector(from.v[image.of]);
     to.F[i] = R * to.F[i] * R;
     to.half_edges[i] = R * to.half_edges[i] * R;  // right-handed as before
-    to.L[i] = M * to.L[i] * R;
-    to.stress[i] = M * to.stress[i] * R;
+    to.L[i] = image.gradient(to.L[i]);
+    to.stress[i] = image.gradient(to.stress[i]);
     if (!b.empty()) nodes.images.body_force[i] = image.vector(b[image.of]);
     for (std::size_t a = 0; a < Particles<D>::corner_count && !to.corners.empty(); ++a)
       to.corners[i][a] =

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "mpm/policies.hpp"
 
 namespace recon::mpm {
@@ -85,17 +83,17 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
       for (std::size_t k = 0; k < shape.size(); ++k)
         add(k, parts.empty() ? shape.S[k] + shape.G[k].dot(d) : parts[k]);
     };
-    const std::vector<Image<D>>& images = nodes.images.of;  // in the order of particles
+    const ImageParticles<D>& images = nodes.images;
     for (const Load<D>& load : problem.loads) {
       const LoadedPlace<D> place = place_of(load, s.particles);
       const Vector<D> force = load.force(place, s.time);
       act(load, s.particles, load.particle, place.x, force);
-      auto image = std::lower_bound(
-          images.begin(), images.end(), load.particle,
-          [](const Image<D>& each, std::size_t particle) { return each.of < particle; });
-      for (; image != images.end() && image->of == load.particle; ++image)
-        act(load, nodes.images.particles, static_cast<std::size_t>(image - images.begin()),
-            image->x + image->offset(place.x - s.particles.x[load.particle]), image->vector(force));
+      const auto [first, last] = images.of_particle(load.particle);
+      for (std::size_t i = first; i < last; ++i) {
+        const Image<D>& image = images.of[i];
+        act(load, images.particles, i,
+            image.x + image.offset(place.x - s.particles.x[load.particle]), image.vector(force));
+      }
     }
   });
 }

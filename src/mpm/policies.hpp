@@ -5,7 +5,6 @@
 // shape functions (mpm/shapes.hpp), chosen outside of the loop.
 #pragma once
 
-#include <algorithm>
 #include <memory>
 
 #include "core/flatten.hpp"
@@ -112,6 +111,7 @@ class BoundaryPolicy : public Policy<D> {
   }
   // The same for one particle where there are images.
   void keep_in_room(std::size_t p, State<D>& s) const;
+  std::array<std::pair<double, double>, D> rooms_;
   std::vector<Held> held_;
   std::vector<Wall> walls_;
 };
@@ -262,27 +262,23 @@ void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, co
                   });
 }
 
-// Calls each(image, at) for the images of particle p in mirrors, as far as two cells beyond them,
-// with the functions at the image; returns how many there are. A particle takes the mean of what it
+// Calls each(image, its number) for the images of particle p in mirrors, as far as two cells beyond
+// them; returns how many there are. A particle takes the mean of what it
 // and these see, as an image has it: nodes on both sides of a plane between them are no images of
 // each other, and what a particle takes is then the transpose of what it and its image give.
 // Without that disturbances beside a wall grow.
-template <int D, class Shape, class At, class Each>
-int for_mirrors(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>& nodes,
-                const Shape& shape_of, std::size_t p, At& at, const Each& each) {
-  const std::vector<Image<D>>& images = nodes.images.of;  // in the order of particles
+template <int D, class Each>
+int for_mirrors(const Grid<D>& grid, const Vector<D>& x, const ImageParticles<D>& images,
+                std::size_t p, const Each& each) {
   int count = 0;
-  auto image =
-      std::lower_bound(images.begin(), images.end(), p,
-                       [](const Image<D>& one, std::size_t particle) { return one.of < particle; });
-  for (; image != images.end() && image->of == p; ++image) {
-    bool near = image->mirrored != 0;
+  const auto [first, last] = images.of_particle(p);
+  for (std::size_t i = first; i < last; ++i) {
+    const Image<D>& image = images.of[i];
+    bool near = image.mirrored != 0;
     for (int d = 0; d < D; ++d)
-      near = near && std::abs(image->x[d] - particles.x[p][d]) <= image_cells * problem.grid.h();
+      near = near && std::abs(image.x[d] - x[d]) <= image_cells * grid.h();
     if (!near) continue;
-    functions_of(problem, nodes.images.particles, nodes, shape_of,
-                 static_cast<std::size_t>(image - images.begin()), at);
-    each(*image, at);
+    each(image, i);
     ++count;
   }
   return count;

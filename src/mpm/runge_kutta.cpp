@@ -45,20 +45,18 @@ class RungeKutta : public UpdatePolicy<D> {
                 std::vector<Rates>& rates, std::vector<Rates>& sum) const {
     with_shape(this->problem_.method, [&](auto shape_of) {
       using Seen = typename decltype(shape_of)::template Nodes<D>;
-      const auto each = [&](std::size_t p, const auto& shape, Seen& of_image) {
+      const auto each = [&](std::size_t p, const auto& shape, Seen& at) {
         rates[p].x = shape.value(nodes.velocity, trusted);
         rates[p].v = shape.value(nodes.acceleration, trusted);
         rates[p].L = shape.gradient(nodes.velocity, trusted);
         if (!nodes.images.of.empty()) {
-          const auto add = [&](const Image<D>& image, const auto& at) {
-            const Matrix<D> M = Image<D>::signs(image.reversed).asDiagonal();
-            const Matrix<D> R = Image<D>::signs(image.mirrored).asDiagonal();
-            rates[p].x += M * at.value(nodes.velocity, trusted);
-            rates[p].v += M * at.value(nodes.acceleration, trusted);
-            rates[p].L += M * at.gradient(nodes.velocity, trusted) * R;
+          const auto add = [&](const Image<D>& image, std::size_t i) {
+            functions_of(this->problem_, nodes.images.particles, nodes, shape_of, i, at);
+            rates[p].x += image.vector(at.value(nodes.velocity, trusted));
+            rates[p].v += image.vector(at.value(nodes.acceleration, trusted));
+            rates[p].L += image.gradient(at.gradient(nodes.velocity, trusted));
           };
-          const int more =
-              for_mirrors(this->problem_, particles, nodes, shape_of, p, of_image, add);
+          const int more = for_mirrors(this->problem_.grid, particles.x[p], nodes.images, p, add);
           rates[p].x /= 1 + more;
           rates[p].v /= 1 + more;
           rates[p].L /= 1 + more;

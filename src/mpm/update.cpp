@@ -59,22 +59,22 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       scratch.modes.coefficients(shape, from.carried, &particles.modes[p * modes], trusted);
     }
     if (mirrors) {
-      const auto add = [&](const Image<D>& image, const auto& at) {
+      const auto add = [&](const Image<D>& image, std::size_t i) {
+        auto& at = scratch.image;
+        functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
         const Seen there = see(at);
-        const Matrix<D> M = Image<D>::signs(image.reversed).asDiagonal();
-        const Matrix<D> R = Image<D>::signs(image.mirrored).asDiagonal();
-        seen.v += M * there.v;
-        seen.a += M * there.a;
-        seen.L += M * there.L * R;
+        seen.v += image.vector(there.v);
+        seen.a += image.vector(there.a);
+        seen.L += image.gradient(there.L);
         if (!with_modes) return;
         scratch.of_image.resize(modes);
         fill_modes(grid, shape_of, image.x, at, method.velocity, scratch.modes);
         scratch.modes.coefficients(at, from.carried, scratch.of_image.data(), trusted);
         for (std::size_t r = 0; r < modes; ++r)  // slopes along the axes (problem.cpp)
-          particles.modes[p * modes + r] +=
-              M * scratch.of_image[r] * R.diagonal()[static_cast<int>(r)];
+          particles.modes[p * modes + r] += image.vector(scratch.of_image[r]) *
+                                            Image<D>::signs(image.mirrored)[static_cast<int>(r)];
       };
-      const int more = for_mirrors(problem, particles, nodes, shape_of, p, scratch.image, add);
+      const int more = for_mirrors(grid, particles.x[p], nodes.images, p, add);
       seen.v /= 1 + more;
       seen.a /= 1 + more;
       seen.L /= 1 + more;
@@ -97,11 +97,11 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       ContinuedLinearFunctions{}.at(grid, x, at);
       Vector<D> v = at.value(from.carried, trusted);
       if (!mirrors) return v;
-      const auto add = [&](const Image<D>& image, const auto&) {
+      const auto add = [&](const Image<D>& image, std::size_t) {
         ContinuedLinearFunctions{}.at(grid, Vector<D>(image.x + image.offset(x - place)), at);
         v += image.vector(at.value(from.carried, trusted));
       };
-      const int more = for_mirrors(problem, particles, nodes, shape_of, p, scratch.image, add);
+      const int more = for_mirrors(grid, place, nodes.images, p, add);
       return Vector<D>(v / (1 + more));
     };
     particles.x[p] += dt * seen.v;

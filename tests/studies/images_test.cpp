@@ -90,18 +90,17 @@ TEST(ShiftedVibration, IsOfSecondOrderIn1D) {
                       2, "1-D");
 }
 
+const ConvergenceStudy asked_in_2d{
+    {"cpgimp", "cpdi1", "impm", "improved_cpdi", "cpls", "affine_cpdi"}, {16, 32, 64}, {0.375}};
+
 // Two pairs in 2-D as well: walls on all sides, mirrors of mirrors in the corners.
 TEST(SlowShiftedVibration, IsOfSecondOrderIn2D) {
-  const ConvergenceStudy asked{
-      {"cpgimp", "cpdi1", "impm", "improved_cpdi", "cpls", "affine_cpdi"}, {16, 32, 64}, {0.375}};
-  expect_second_order(study<2>("vibration_2d.toml", asked,
+  expect_second_order(study<2>("vibration_2d.toml", asked_in_2d,
                                [](ProblemFile<2> file) { return with_images(file, 0.37); }),
                       1, "2-D");
 }
 TEST(SlowPeriodicVibration, IsOfSecondOrderIn2D) {
-  const ConvergenceStudy asked{
-      {"cpgimp", "cpdi1", "impm", "improved_cpdi", "cpls", "affine_cpdi"}, {16, 32, 64}, {0.375}};
-  expect_second_order(study<2>("axis_vibration.toml", asked,
+  expect_second_order(study<2>("axis_vibration.toml", asked_in_2d,
                                [](ProblemFile<2> file) {
                                  file.exact = make_manufactured<2>(
                                      "axis_vibration", 0.05,

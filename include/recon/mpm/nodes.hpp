@@ -57,9 +57,25 @@ struct MassSigns {
 // ends of periods. Of the arrays of `particles` those are there that go to nodes.
 template <int D>
 struct ImageParticles {
-  std::vector<Image<D>> of;
+  std::vector<Image<D>> of;  // those of one particle are consecutive, in the order of particles
   Particles<D> particles;
   std::vector<Vector<D>> body_force;  // per mass; empty: none
+
+  // The images of one particle, from number `first` on.
+  struct Range {
+    std::size_t first, last;
+  };
+  Range of_particle(std::size_t p) const {
+    const auto found = std::equal_range(of.begin(), of.end(), p, Before{});
+    return {static_cast<std::size_t>(found.first - of.begin()),
+            static_cast<std::size_t>(found.second - of.begin())};
+  }
+
+ private:
+  struct Before {
+    bool operator()(const Image<D>& image, std::size_t p) const { return image.of < p; }
+    bool operator()(std::size_t p, const Image<D>& image) const { return p < image.of; }
+  };
 };
 
 template <int D>

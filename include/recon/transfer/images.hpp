@@ -69,6 +69,10 @@ struct Image {
   // What a vector from one place to another becomes, and what a velocity or force does.
   SpaceVector<D> offset(const SpaceVector<D>& r) const { return signs(mirrored).cwiseProduct(r); }
   SpaceVector<D> vector(const SpaceVector<D>& v) const { return signs(reversed).cwiseProduct(v); }
+  // And the gradient of a velocity, or the stress, which takes places to forces.
+  Eigen::Matrix<double, D, D> gradient(const Eigen::Matrix<double, D, D>& L) const {
+    return signs(reversed).asDiagonal() * L * signs(mirrored).asDiagonal();
+  }
 };
 
 template <int D>
