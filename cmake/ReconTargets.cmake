@@ -1,7 +1,8 @@
 # How a room becomes part of a library, and how the libraries are installed.
 
 # Where the files of a target compile in large pieces, g++ takes the files of a piece for headers, and what one of them
-# has to itself for what the others see. What it warns of then is no fault; clang and builds file by file still look.
+# has to itself for what the others see. What it warns of then is no fault; clang still looks for it in libraries and programs,
+# and builds file by file look everywhere.
 function(recon_allow_pieces target)
   if(RECON_QUICK_BUILD)
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage -Wno-shadow>)

@@ -17,12 +17,12 @@ namespace stdx = std::experimental;
 using Floats = Pack<float>;
 constexpr std::int64_t lanes = LaneTraits<Floats>::lanes;
 
-// Of the particles first .. first + left - 1, as many as `lanes`, those in the box.
 // From where on a measure is nearly the largest (FarArrays).
 inline float far_from(float largest, float slack) {
   return (largest - slack) * (1 - 1.0f / (1 << 19));
 }
 
+// Of the particles first .. first + left - 1, as many as `lanes`, those in the box.
 #ifdef __AVX512VL__
 inline __m512 about(const std::int32_t* x, std::int32_t centre) {
   return _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(x), _mm512_set1_epi32(centre)));
