@@ -3,6 +3,8 @@
 
 #include <signal.h>
 
+#include <regex>
+
 #include "programs/run_program.hpp"
 
 namespace recon::test {
@@ -11,6 +13,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 class MpmProgram : public ProgramTest {
  protected:
@@ -171,13 +174,45 @@ TEST_F(MpmProgram, CompareShowsAllMethods) {
   expect_failure("compare vibration_1d.toml --picture a.gif", 1, HasSubstr(".png"));
 }
 
-// Gong 2015, chapter 7, with the re-mapping taken into account.
+// A table goes on where it was cut off: rows that are there are not made again, and those of another
+// comparison are no rows of this one.
+TEST_F(MpmProgram, CompareGoesOn) {
+  const std::string study =
+      "compare vibration_1d.toml --cells 4 --courant 0.4,0.2 --no-stability --quiet --out a.csv ";
+  succeed(study + "--methods mpm,q8");
+  const std::string before = read("a.csv");
+  const std::string marked =
+      std::regex_replace(before, std::regex("\nmpm,0\\.4,[^,]*"), "\nmpm,0.4,0.125");
+  ASSERT_NE(before, marked);
+  write("a.csv", marked);
+  succeed(study + "--methods cpls --resume");  // what stood there stays
+  EXPECT_THAT(read("a.csv"), AllOf(HasSubstr("\ncpls,0.4,"), HasSubstr("\nmpm,0.4,0.125,"),
+                                   HasSubstr("refused: ")));
+  const std::string shown = succeed(study + "--methods mpm,cpls,q8 --resume");
+  EXPECT_THAT(shown, AllOf(HasSubstr("1.25e-01"), HasSubstr("\ncpls "), HasSubstr("refused: ")));
+  EXPECT_THAT(read("a.csv"), StartsWith(marked.substr(0, marked.find("\nq8"))));
+  succeed(study + "--methods mpm,q8");  // anew
+  EXPECT_THAT(read("a.csv"), Not(HasSubstr("0.125")));
+  for (const char* other : {"--set end=0.01", "--cells 8", "--courant 0.4", "--threads 1"}) {
+    std::string changed = study;
+    const std::string option = std::string(other).substr(0, std::string(other).find(' '));
+    changed = std::regex_replace(changed, std::regex(option + " [^ ]+"), "") + other + " ";
+    expect_failure(changed + "--methods mpm --resume", 2, HasSubstr("a.csv:2: is of another"));
+  }
+  expect_failure("compare vibration_1d.toml --resume", 1, HasSubstr("--resume: needs --out"));
+  write("a.csv", "method,remark\nmpm,\n");
+  expect_failure(study + "--resume", 2, HasSubstr("a.csv:1: is no table of compare"));
+  write("a.csv", before + "mpm,0.1\n");
+  expect_failure(study + "--resume", 2, HasSubstr("a.csv:6: is no row"));
+}
+
 // The usage names the arguments that a command takes, and no others.
 TEST_F(MpmProgram, UsageNamesTheArguments) {
   EXPECT_THAT(succeed("run --help"), HasSubstr("Usage: recon-mpm run FILE [OPTIONS]\n"));
   EXPECT_THAT(succeed("stability --help"), HasSubstr("Usage: recon-mpm stability [OPTIONS]\n"));
 }
 
+// Gong 2015, chapter 7, with the re-mapping taken into account.
 TEST_F(MpmProgram, StabilityLimits) {
   const std::string text = succeed("stability --methods mpm,improved_cpdi --particles 1,4");
   EXPECT_THAT(text, HasSubstr("0.707"));

@@ -152,7 +152,8 @@ std::string manual_page(CLI::App& app, std::string_view command, std::string_vie
   while (footer.starts_with('\n')) footer.erase(0, 1);
   if (page != &app && footer.starts_with("Example"))
     text += ".SH EXAMPLES\n" + set_in(footer.substr(footer.find('\n') + 1));
-  text += ".SH EXIT STATUS\n" + set_in(std::string(exit_statuses.substr(exit_statuses.find('\n') + 1)));
+  text +=
+      ".SH EXIT STATUS\n" + set_in(std::string(exit_statuses.substr(exit_statuses.find('\n') + 1)));
   text += ".SH SEE ALSO\n";
   if (page != &app) text += "\\fB" + troff(program) + "\\fR(1)\n";
   for (CLI::App* each : app.get_subcommands({}))

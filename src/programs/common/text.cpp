@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 
 namespace recon::program {
@@ -92,6 +93,14 @@ std::string number_within(double value, double lower, double upper) {
 
 std::string range(double lower, double upper) {
   return number_within(lower, lower, upper) + " .. " + number_within(upper, lower, upper);
+}
+
+std::string hash(std::string_view text) {
+  std::uint64_t value = 14695981039346656037u;
+  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  std::string digits;
+  for (int k = 0; k < 16; ++k, value >>= 4) digits += "0123456789abcdef"[value & 15];
+  return digits;
 }
 
 std::string shell_word(const std::string& text) {

@@ -31,6 +31,8 @@ std::string enumeration(std::span<const std::string> words);
 std::string range(double lower, double upper);
 // One of the numbers from lower to upper, with as many figures as these.
 std::string number_within(double value, double lower, double upper);
+// 16 digits that stand for a text (FNV-1a), to tell whether it is the same as before.
+std::string hash(std::string_view text);
 // In quotes where a shell would make something else of it.
 std::string shell_word(const std::string& text);
 

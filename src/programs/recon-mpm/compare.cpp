@@ -1,10 +1,12 @@
 // recon-mpm compare PROBLEM: every method on one problem.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <fstream>
 #include <memory>
+#include <sstream>
 
 #include "commands.hpp"
+#include "comparison_table.hpp"
 #include "problem_options.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/progress.hpp"
@@ -18,82 +20,12 @@ namespace recon::program {
 namespace {
 
 namespace fs = std::filesystem;
-using Row = mpm::ComparisonRow;
 
 struct CompareCommand {
   ProblemOptions problem;
   std::string methods, cells, courants, out, picture, against;
-  bool no_stability = false, quiet = false;
+  bool no_stability = false, resume = false, quiet = false;
 };
-
-// What is measured: the name in the table file, a short one for the terminal, how to print it.
-struct Column {
-  const char *name, *brief, *format;
-  double Row::*value;
-};
-constexpr Column columns[] = {
-    {"courant", "courant", "%.3g", &Row::courant},
-    {"displacement error", "u error", "%.2e", &Row::displacement_error},
-    {"order", "order", "%.2f", &Row::displacement_order},
-    {"velocity error", "v error", "%.2e", &Row::velocity_error},
-    {"order of velocity", "order", "%.2f", &Row::velocity_order},
-    {"largest displacement", "max u", "%.4g", &Row::displacement},
-    {"largest displacement before", "before", "%.4g", &Row::displacement_before},
-    {"momentum defect", "momentum", "%.1e", &Row::momentum_defect},
-    {"angular defect", "angular", "%.1e", &Row::angular_defect},
-    {"angular error", "ang error", "%.1e", &Row::angular_error},
-    {"energy error", "energy", "%+.1e", &Row::energy_error},
-    {"ns per particle and step", "ns", "%.0f", &Row::nanoseconds},
-    {"largest stable step", "stable", "%.2f", &Row::stable},
-};
-
-std::string remark(const Row& row) {
-  if (!row.refusal.empty()) return "refused: " + row.refusal;
-  std::string text = row.failure.empty() ? "" : "stopped: " + row.failure;
-  if (row.negative_nodes > 0)
-    text += (text.empty() ? "" : "; ") + counted(row.negative_nodes, "node") + " of negative mass" +
-            (row.sign_change ? ", some change sign" : "");
-  return text;
-}
-
-void print_table(const std::vector<Row>& rows) {
-  std::vector<std::string> names;
-  for (const Row& row : rows) names.push_back(row.method);
-  const int width = name_width(20, names);
-  std::printf("%-*s", width, "method");
-  for (const Column& column : columns) std::printf(" %9s", column.brief);
-  std::printf("\n");
-  for (const Row& row : rows) {
-    std::printf("%-*s", width, row.method.c_str());
-    for (const Column& column : columns)
-      std::printf(" %9s", or_dash(row.*column.value, column.format).c_str());
-    const std::string text = remark(row);
-    std::printf("%s%s\n", text.empty() ? "" : "  ", text.c_str());
-  }
-  std::printf(
-      "\nu, v: l2 errors at the end on the finest grid; max u: largest displacement, there and on "
-      "the grid before;\n"
-      "momentum, angular: what the velocity map misses, at worst; ang error, energy: of angular "
-      "momentum and of the\n"
-      "energy balance at the end, over their largest size; ns: per particle and step; stable: "
-      "largest c_p dt / h\n");
-}
-
-void write_table(const fs::path& path, const std::vector<Row>& rows) {
-  AtomicFile file(path);
-  std::string text = "method";
-  for (const Column& column : columns) text += std::string(",") + column.name;
-  file.write(text + ",remark\n");
-  for (const Row& row : rows) {
-    text = row.method;
-    for (const Column& column : columns)
-      text += "," + (std::isnan(row.*column.value) ? "" : number(row.*column.value, 6));
-    std::string note = remark(row);
-    std::replace(note.begin(), note.end(), '"', '\'');
-    file.write(text + "," + (note.empty() ? "" : "\"" + note + "\"") + "\n");
-  }
-  file.commit();
-}
 
 // Families that a reader tells apart, each in its colour.
 const char* family(const mpm::Method& method) {
@@ -107,16 +39,16 @@ const char* family(const mpm::Method& method) {
 }
 
 // An error over the cost, a point for each method: with the last of the courant numbers.
-void draw_comparison(const fs::path& path, const std::vector<Row>& rows, const Column& against,
-                     const std::string& title) {
+void draw_comparison(const fs::path& path, const std::vector<TableRow>& rows,
+                     const TableColumn& against, const std::string& title) {
   LinePlot plot;
   plot.title = title;
   plot.x_label = "nanoseconds per particle and step";
   plot.y_label = against.name;
   plot.log_x = plot.log_y = true;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const Row& row = rows[r];
-    if (r + 1 < rows.size() && rows[r + 1].method == row.method) continue;
+    const mpm::ComparisonRow& row = rows[r].numbers;
+    if (r + 1 < rows.size() && rows[r + 1].numbers.method == row.method) continue;
     const double error = std::abs(row.*against.value);
     if (!(error > 0) || !(row.nanoseconds > 0)) continue;
     const char* name = family(mpm::composed(row.method));
@@ -133,12 +65,40 @@ void draw_comparison(const fs::path& path, const std::vector<Row>& rows, const C
   draw(path, plot);
 }
 
-const Column& column_named(const std::string& name, const std::vector<Row>& rows) {
-  const bool exact = std::any_of(
-      rows.begin(), rows.end(), [](const Row& row) { return !std::isnan(row.displacement_error); });
-  const std::string wanted = !name.empty() ? name : exact ? "displacement" : "energy";
-  return *std::find_if(std::begin(columns), std::end(columns), [&](const Column& column) {
-    return std::string(column.name) == wanted + " error";
+// Without a choice: of the displacement, where some row has one.
+const TableColumn& column_of_picture(const std::string& chosen, const std::vector<TableRow>& rows) {
+  const bool exact = std::any_of(rows.begin(), rows.end(), [](const TableRow& row) {
+    return !std::isnan(row.numbers.displacement_error);
+  });
+  return error_column(!chosen.empty() ? chosen : exact ? "displacement" : "energy");
+}
+
+// All that a row of a method rests on besides the method.
+std::string run_of(const CompareCommand& options, const mpm::ComparisonStudy& study) {
+  std::ifstream file(options.problem.file);
+  std::ostringstream text;
+  text << file.rdbuf();
+  for (const std::string& setting : options.problem.settings) text << "\n" << setting;
+  for (const auto& numbers : {study.cells, study.courants}) {
+    text << "\n";
+    for (const double each : numbers) text << number(each, 17) << " ";
+  }
+  text << "\n" << options.problem.threads << study.stable_steps;
+  return hash(text.str());
+}
+
+// The rows that stand in the table already. Fails where they are not of this comparison.
+std::vector<TableRow> kept_rows(const CompareCommand& options, const std::string& run) {
+  if (!options.resume) return {};
+  if (options.out.empty()) fail_usage("--resume: needs --out, the table to go on with");
+  return with_exit_code(wrong_input, [&] {
+    std::vector<TableRow> rows = read_table(options.out);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      if (rows[r].run != run)
+        throw FileError(options.out, r + 2,
+                        "is of another problem file, other settings, cells, courant numbers or "
+                        "threads; without --resume the table is made anew");
+    return rows;
   });
 }
 
@@ -175,24 +135,39 @@ void run(const CompareCommand& options) {
         1 / std::visit([](const auto& file) { return file.problem.grid.h(); }, problem);
     study.cells = {own, 2 * own};
   }
+  const std::string run = run_of(options, study);
+  std::vector<TableRow> rows, kept = kept_rows(options, run);
   Progress progress("compare", study.methods.size(), options.quiet);
-  std::size_t done = 0;
-  const std::vector<Row> rows = mpm::compare(
-      [&](std::span<const std::string> settings) {
-        return options.problem.read({settings.begin(), settings.end()});
-      },
-      study,
-      [&](const std::string&) {
-        progress.advance(done);
-        done = 1;
-      });
+  for (const std::string& method : study.methods) {
+    const auto own = std::stable_partition(kept.begin(), kept.end(), [&](const TableRow& row) {
+      return row.numbers.method != method;
+    });
+    if (own != kept.end()) {
+      rows.insert(rows.end(), own, kept.end());
+      kept.erase(own, kept.end());
+    } else {
+      mpm::ComparisonStudy alone = study;
+      alone.methods = {method};
+      for (mpm::ComparisonRow& row : mpm::compare(
+               [&](std::span<const std::string> settings) {
+                 return options.problem.read({settings.begin(), settings.end()});
+               },
+               alone))
+        rows.push_back(table_row(std::move(row), run));
+    }
+    progress.advance(1);
+    if (options.out.empty()) continue;
+    // What is done is there when a later method takes too long; and what others asked for stays.
+    std::vector<TableRow> all = rows;
+    all.insert(all.end(), kept.begin(), kept.end());
+    with_exit_code(no_output, [&] { write_table(options.out, all); });
+  }
   print_table(rows);
-  with_exit_code(no_output, [&] {
-    if (!options.out.empty()) write_table(options.out, rows);
-    if (!options.picture.empty())
-      draw_comparison(options.picture, rows, column_named(options.against, rows),
+  if (!options.picture.empty())
+    with_exit_code(no_output, [&] {
+      draw_comparison(options.picture, rows, column_of_picture(options.against, rows),
                       fs::path(options.problem.file).stem().string());
-  });
+    });
 }
 
 }  // namespace
@@ -212,7 +187,10 @@ Command add_compare(CLI::App& app) {
                    "numbers of Courant, with commas: a row of each method for each (default: the "
                    "problem's)")
       ->type_name("NUMBERS");
-  command->add_option("--out", options->out, ".csv for the table")->type_name("FILE");
+  command->add_option("--out", options->out, ".csv for the table, written after each method")
+      ->type_name("FILE");
+  command->add_flag("--resume", options->resume,
+                    "rows of this comparison that stand in the table are not made again");
   command
       ->add_option(
           "--picture", options->picture,

@@ -12,15 +12,6 @@
 namespace recon::program {
 namespace {
 
-// FNV-1a.
-std::string hash(const std::string& text) {
-  std::uint64_t value = 14695981039346656037u;
-  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  std::string digits;
-  for (int k = 0; k < 16; ++k, value >>= 4) digits += "0123456789abcdef"[value & 15];
-  return digits;
-}
-
 std::string plain(std::string text) {
   for (char& c : text)
     if (c == '\t' || c == '\n') c = ' ';
