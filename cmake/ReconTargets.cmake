@@ -1,11 +1,10 @@
 # How a room becomes part of a library, and how the libraries are installed.
 
 # Where the files of a target compile in large pieces, g++ takes the files of a piece for headers, and what one of them
-# has to itself for what the others see. What it warns of then is no fault; clang still looks for it in libraries and programs,
-# and builds file by file look everywhere.
+# has to itself hides what the others see. What is warned of then is no fault; builds file by file look for it everywhere.
 function(recon_allow_pieces target)
   if(RECON_QUICK_BUILD)
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage -Wno-shadow>)
+    target_compile_options(${target} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()
 
