@@ -1,7 +1,7 @@
 // The scalars and dimensions that recon is compiled for, as lists for explicit instantiations.
 #pragma once
 
-// RECON_FLOAT(...): what is compiled for float, left out of a build for double alone (RECON_SINGLE_PRECISION=OFF).
+// RECON_FLOAT(...): what is compiled for float (or long double), left out of a build for double alone (RECON_SINGLE_PRECISION=OFF).
 #ifdef RECON_DOUBLE_ONLY
 #define RECON_FLOAT(...)
 #else

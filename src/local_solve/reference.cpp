@@ -4,6 +4,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "core/instantiate.hpp"
+
 namespace recon::detail {
 
 template <class Work>
@@ -19,23 +21,25 @@ Work factorise_by_reference(Solver solver, int n, int terms, int linear, Work sh
     a.col(j) /= length[j];
     for (int c = 0; c < count; ++c) origin(j, c) /= length[j];
   }
+  const Eigen::ColPivHouseholderQR<Matrix> qr(a);
+  const Matrix r = qr.matrixR().topRows(terms).template triangularView<Eigen::Upper>();
+  origin = qr.colsPermutation().transpose() * origin;
+  q = qr.householderQ() * Matrix::Identity(n, terms);
   if (solver == Solver::qr) {
-    const Eigen::ColPivHouseholderQR<Matrix> qr(a);
-    const Matrix r = qr.matrixR().topRows(terms);
-    q = qr.householderQ() * Matrix::Identity(n, terms);
-    at_target = r.template triangularView<Eigen::Upper>().transpose().solve(
-        Matrix(qr.colsPermutation().transpose() * origin));
+    at_target = r.template triangularView<Eigen::Upper>().transpose().solve(origin);
     return std::abs(r(terms - 1, terms - 1) / r(0, 0));
   }
-  const Eigen::JacobiSVD<Matrix> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  // R = U S V^T gives A P = (Q U) S V^T.
+  const Eigen::JacobiSVD<Matrix, Eigen::NoQRPreconditioner> svd(
+      r, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const auto& s = svd.singularValues();
-  q = svd.matrixU();
+  q = q * svd.matrixU();
   at_target = s.cwiseInverse().asDiagonal() * (svd.matrixV().transpose() * origin);
   return s[terms - 1] / s[0];
 }
 
 template double factorise_by_reference(Solver, int, int, int, double, int, double*, double*);
-template long double factorise_by_reference(Solver, int, int, int, long double, int, long double*,
-                                            long double*);
+RECON_FLOAT(template long double factorise_by_reference(Solver, int, int, int, long double, int,
+                                                        long double*, long double*);)
 
 }  // namespace recon::detail

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/instantiate.hpp"
+#include "core/symmetric_eigen.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/neighbourhood/pair_supports.hpp"
@@ -164,9 +165,8 @@ void add_tensors(const PairEllipsoids& rule, int threads, NeighbourList<Scalar>&
 template <int D>
 HalfAxes half_axes(const SymmetricTensor<D>& tensor) {
   if constexpr (D == 1) return {tensor(0, 0), tensor(0, 0)};
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D, D>> solver(matrix_of(tensor),
-                                                                          Eigen::EigenvaluesOnly);
-  return {solver.eigenvalues()[0], solver.eigenvalues()[D - 1]};
+  const SymmetricEigen parts = symmetric_eigen(D, matrix_of(tensor).data());
+  return {parts.values[0], parts.values[D - 1]};
 }
 
 void append_packed(const FieldView<double>& tensors, std::size_t i, double factor,
@@ -245,27 +245,39 @@ std::vector<double> support_tensors(const FieldView<double>& half_axes) {
   detail::require(components == 1 || components == 4 || components == 9, "components of half axes",
                   components, "must be 1, 4 or 9: D vectors of D numbers");
   std::vector<double> packed;
-  detail::with_dimension(detail::tensor_dimension(components), [&](auto dimension) {
-    constexpr int D = dimension;
-    using Matrix = Eigen::Matrix<double, D, D>;
-    packed.reserve(half_axes.size() * detail::SymmetricTensor<D>::size);
-    for (std::size_t p = 0; p < half_axes.size(); ++p) {
-      Matrix axes;
-      for (int c = 0; c < D * D; ++c) {
-        axes(c % D, c / D) = half_axes(p, c);
-        if (!std::isfinite(half_axes(p, c)))
-          detail::throw_invalid("half axes of particle " + std::to_string(p), half_axes(p, c),
-                                "must be finite");
-      }
-      // The roots of the eigenvalues of F F^T would have lost half of the digits.
-      const Matrix directions =
-          Eigen::SelfAdjointEigenSolver<Matrix>(axes * axes.transpose()).eigenvectors();
-      const Matrix lengths = (axes.transpose() * directions).colwise().norm().asDiagonal();
-      const Matrix tensor = directions * lengths * directions.transpose();
-      for (int i = 0; i < D; ++i)
-        for (int j = i; j < D; ++j) packed.push_back(tensor(i, j));
+  const int D = detail::tensor_dimension(components);
+  packed.reserve(half_axes.size() * static_cast<std::size_t>(D * (D + 1) / 2));
+  for (std::size_t p = 0; p < half_axes.size(); ++p) {
+    std::array<double, 9> axes, squares{};  // axes[c + D i]: component c of half axis i
+    for (int c = 0; c < D * D; ++c) {
+      axes[c] = half_axes(p, c);
+      if (!std::isfinite(axes[c]))
+        detail::throw_invalid("half axes of particle " + std::to_string(p), axes[c],
+                              "must be finite");
     }
-  });
+    for (int i = 0; i < D; ++i)
+      for (int j = 0; j < D; ++j)
+        for (int k = 0; k < D; ++k) squares[i * D + j] += axes[i + D * k] * axes[j + D * k];
+    const detail::SymmetricEigen parts = detail::symmetric_eigen(D, squares.data());
+    // The roots of the eigenvalues of F F^T would have lost half of the digits.
+    std::array<double, 3> length;
+    for (int d = 0; d < D; ++d) {
+      double square = 0;
+      for (int k = 0; k < D; ++k) {
+        double along = 0;
+        for (int c = 0; c < D; ++c) along += axes[c + D * k] * parts.direction[d][c];
+        square += along * along;
+      }
+      length[d] = std::sqrt(square);
+    }
+    for (int i = 0; i < D; ++i)
+      for (int j = i; j < D; ++j) {
+        double entry = 0;
+        for (int d = 0; d < D; ++d)
+          entry += length[d] * parts.direction[d][i] * parts.direction[d][j];
+        packed.push_back(entry);
+      }
+  }
   return packed;
 }
 

@@ -36,13 +36,19 @@
 // fields are exact along all directions that are seen.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <vector>
 
 #include "recon/transfer/point_functions.hpp"
 
 namespace recon {
+
+namespace detail {
+// The inverse of a symmetric matrix on the directions whose eigenvalues are above `least`, zero on
+// the others. Gives the number of the former.
+template <int D>
+int invert_along(const SpaceMatrix<D>& matrix, double least, SpaceMatrix<D>& inverse);
+}  // namespace detail
 
 // affine: s_1 of each axis; that of axis d has number d. polynomial: all products of the s_(r_d)
 // with r_d = 0, 1, 2 but the constant; number sum_d r_d 3^d - 1.
@@ -262,17 +268,7 @@ class DomainModes {
       inverse_ = second_.inverse();
       return;
     }
-    const Eigen::SelfAdjointEigenSolver<SpaceMatrix<D>> parts(second_);
-    inverse_.setZero();
-    for (int d = 0; d < D; ++d) {
-      const double value = parts.eigenvalues()[d];
-      if (!(value > least)) {
-        --rank_;
-        continue;
-      }
-      const SpaceVector<D> along = parts.eigenvectors().col(d);
-      inverse_ += along * along.transpose() / value;
-    }
+    rank_ = detail::invert_along(second_, least, inverse_);
   }
 
   int rank_ = 0;
