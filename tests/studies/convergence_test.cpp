@@ -65,8 +65,9 @@ TEST(SlowConvergence, RingAndVortex) {
 TEST(Convergence, LargeDeformationIn1D) {
   expect_orders("vibration_1d.toml", {64, 128});
 }
-// One wave along x in a square is the wave of a bar (Tran et al. 2019, section 4.2): maps, fits and
-// forces are products of those of the axes, so that errors are the same up to rounding. (The stress
+// One wave along x in a square is the wave of a bar (Tran et al. 2019, section 4.2): maps and forces
+// are products of those of the axes, so that errors are the same up to rounding. (Not so with cpls,
+// which fits to 2^D corners and one centre: the corners count for more in a square. The stress
 // across the wave has errors of its own, which the bar does not have.)
 TEST(Convergence, OneWaveInASquareIsThatOfABar) {
   const auto waves = [](const std::string& file, const std::string& solution) {
@@ -76,7 +77,7 @@ TEST(Convergence, OneWaveInASquareIsThatOfABar) {
           all.insert(all.end(), {"solution=" + solution, "particles=2"});
           return read_problem(example(file), all);
         },
-        {{"cpdi1", "cpls"}, {8, 16}, {0.25, 1}});
+        {{"cpgimp", "cpdi1"}, {8, 16}, {0.25, 1}});
   };
   const auto bar = waves("vibration_1d.toml", "axis_vibration"),
              square = waves("axis_vibration.toml", "wave_along_x");
