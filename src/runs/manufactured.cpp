@@ -32,6 +32,17 @@ struct AxisVibration : Vibration {
   }
 };
 
+struct WaveAlongX : Vibration {
+  static constexpr const char* name = "wave_along_x";
+  template <int D, class T>
+  static std::array<T, D> displacement(const std::array<T, D>& X, const T& t, double G, double c) {
+    std::array<T, D> u;
+    u.fill(T(0));
+    u[0] = AxisVibration::displacement<D, T>(X, t, G, c)[0];
+    return u;
+  }
+};
+
 struct Ring {
   static constexpr const char* name = "ring";
   static constexpr double inner = 0.4, outer = 0.6, mean = 0.5;
@@ -112,7 +123,7 @@ class Solution final : public Manufactured<D> {
 }  // namespace
 
 std::vector<std::string> manufactured_names() {
-  return {Vibration::name, AxisVibration::name, Ring::name, Vortex::name};
+  return {Vibration::name, AxisVibration::name, WaveAlongX::name, Ring::name, Vortex::name};
 }
 
 template <int D>
@@ -130,6 +141,7 @@ std::shared_ptr<const Manufactured<D>> make_manufactured(std::string_view name, 
   };
   offer(Vibration{});
   offer(AxisVibration{});
+  offer(WaveAlongX{});
   offer(Ring{});
   offer(Vortex{});
   if (!made)

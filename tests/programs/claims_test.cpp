@@ -232,6 +232,39 @@ TEST(Rules, NothingIsJudgedByRunsThatAreMissing) {
   EXPECT_EQ(on({8, 16, 32}), Verdict::unknown);
 }
 
+// A method that explodes is of a far lower order than one that converges, and breaks nothing of it.
+TEST(Rules, AHigherOrderMayBeMuchHigher) {
+  const std::vector<int> grids{8, 16, 32};
+  EXPECT_EQ(judged("higher order", grids, {1, 0.25, 0.0625}, {1, 1e3, 1e6}), Verdict::holds);
+  EXPECT_EQ(judged("higher order", grids, {1, 0.25, 0.0625}, {1, 0.25, 0.0625}), Verdict::fails);
+}
+
+// A run that ended is not compared with one that stopped; one that stopped is worse than nothing.
+TEST(Rules, ComparisonsLeaveOutWhatStopped) {
+  const std::vector<int> grids{8, 16, 32};
+  const auto verdict = [&](const std::string& rule, StudyResults results) {
+    for (auto& [key, run] : results)
+      if (std::isnan(run.value("q"))) run.note = "stopped";
+    return verdict_of(judge(claim_by(rule), claims().rules, results, grids, true));
+  };
+  EXPECT_EQ(verdict("smaller", runs(grids, {1, 1, 1}, {2, nan, nan})), Verdict::holds);
+  EXPECT_EQ(verdict("smaller", runs(grids, {1, 1, 1}, {1, nan, nan})), Verdict::fails);
+  EXPECT_EQ(verdict("smaller", runs(grids, {1, 1, nan}, {2, 2, nan})), Verdict::partly);
+  EXPECT_EQ(verdict("smaller", runs(grids, {1, 1, 1}, {nan, nan, nan})), Verdict::unknown);
+  EXPECT_EQ(verdict("higher order", runs(grids, {1, 0.25, 0.0625}, {1, 1, nan})), Verdict::holds);
+  EXPECT_EQ(verdict("higher order", runs(grids, {1, 0.25, nan}, {1, 1, 1})), Verdict::partly);
+  const std::vector<Judgement> alone = [&] {
+    StudyResults results = runs(grids, {1, 1, 1}, {nan, nan, nan});
+    for (auto& [key, run] : results)
+      if (key.method == "n") run.note = "stopped";
+    return judge(claim_by("smaller"), claims().rules, results, grids, true);
+  }();
+  ASSERT_EQ(alone.size(), 1u);
+  EXPECT_TRUE(alone[0].alone);
+  // A number that an ended run does not have is no excuse.
+  EXPECT_EQ(judged("smaller", grids, {1, 1, 1}, {nan, nan, nan}), Verdict::fails);
+}
+
 class Verify : public ProgramTest {
  protected:
   Verify() : ProgramTest("recon-mpm", RECON_MPM_PROGRAM) {}
@@ -254,20 +287,91 @@ TEST_F(Verify, JudgesOneClaim) {
                           HasSubstr("| Gong 2015 | 1 |")));
 }
 
+// What nothing in the list says is asked for by mistake.
+TEST_F(Verify, AsksForWhatIsThere) {
+  expect_failure("verify --only 'figure 99' --quiet", 1,
+                 AllOf(HasSubstr("figure 99"), HasSubstr("--list")));
+  expect_failure("verify --list --only 'figure 99'", 1, HasSubstr("figure 99"));
+  expect_failure("verify --only 'Tran et al. 2019, figure 7' --quiet", 1,
+                 AllOf(HasSubstr("no claim"), HasSubstr("drawings")));
+  // The name of a study means that study alone, though other claims have its name in their words.
+  const std::string list = succeed("verify --list --only wall");
+  EXPECT_THAT(list,
+              AllOf(HasSubstr("figure 56: A disk and a wall"), Not(HasSubstr("between walls"))));
+}
+
+const std::string polynomials = "verify --only polynomials --quiet --out out";
+const std::string polynomials_file = "out/verification/results/polynomials.txt";
+
 // What has been measured is not measured again, unless it is asked for.
 TEST_F(Verify, KeepsResults) {
-  const std::string command = "verify --only polynomials --quiet --out out";
-  EXPECT_THAT(succeed(command), HasSubstr("holds"));
-  const std::string name = "out/verification/results/polynomials.txt";
-  std::string kept = read(name);
-  const std::size_t at = kept.find("least rank\t2");
-  ASSERT_NE(at, std::string::npos);
-  write(name, kept.replace(at, 12, "least rank\t1"));
-  EXPECT_THAT(succeed(command), HasSubstr("holds partly"));
-  EXPECT_THAT(succeed(command + " --again"), Not(HasSubstr("holds partly")));
-  write(name, "no result\n");
-  expect_failure(command, 3,
-                 AllOf(HasSubstr("polynomials.txt:1"), HasSubstr("no line of results")));
+  EXPECT_THAT(succeed(polynomials + " --minutes 1e-9"), HasSubstr("cannot be judged"));
+  EXPECT_THAT(succeed(polynomials), HasSubstr("holds"));
+  EXPECT_THAT(succeed(polynomials + " --minutes 1e-9"), Not(HasSubstr("cannot be judged")));
+  EXPECT_THAT(read("out/verification.md"), HasSubstr("Only what was asked for stands here"));
+  const std::string kept = read(polynomials_file);
+  EXPECT_THAT(succeed(polynomials + " --again"), Not(HasSubstr("holds partly")));
+  EXPECT_EQ(read(polynomials_file), kept);
+}
+
+// `text` with the first `old` after `from` replaced.
+std::string with(const std::string& text, const std::string& from, const std::string& old,
+                 const std::string& other) {
+  const std::size_t at = text.find(old, text.find(from));
+  EXPECT_NE(at, std::string::npos) << from << " " << old;
+  return text.substr(0, at) + other + text.substr(at + old.size());
+}
+
+// A result that was changed by hand is refused with the run and its line.
+TEST_F(Verify, RefusesResultsThatWereChanged) {
+  succeed(polynomials);
+  const std::string kept = read(polynomials_file), run = "the run of -0.1 0.5 on 1000 ";
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    write(polynomials_file, text);
+    expect_failure(polynomials, 2, AllOf(HasSubstr("polynomials.txt:"), HasSubstr(message)));
+  };
+  refused(with(kept, "-0.1 0.5", "least rank\t2", "least rank\t1"),
+          run + "is not as it was written");
+  refused(with(kept, "-0.1 0.5", "least rank\t2", "least rank\ttwo"), run + "is no number");
+  refused(with(kept, "-0.1 0.5", "\trun\t", "\truns\t"), run + "has no beginning");
+  const std::size_t end = kept.find_last_of('\n', kept.size() - 2);
+  refused(kept.substr(0, end + 1), "is not as it was written");  // a line less
+  refused(kept + kept, "stands there twice");
+  refused("no result\n", "no line of results");
+  refused(with(kept, "-0.1 0.5", "\t1000\t", "\tmany\t"), "no line of results");
+  // Not refused: a run without a sum, as they were kept once.
+  const std::size_t from = kept.find("\t-0.1 0.5\t"), sum = kept.find("\trun\t", from) + 5;
+  write(polynomials_file, with(kept.substr(0, sum) + "1" + kept.substr(kept.find('\n', sum)),
+                               "-0.1 0.5", "least rank\t2", "least rank\t1"));
+  EXPECT_THAT(succeed(polynomials), HasSubstr("holds partly"));
+  // Nor one of a method that the study does not have: it is left out.
+  write(polynomials_file,
+        kept + kept.substr(kept.find('\n') + 1, 16) + "\t\t-0.1 0.7\t1000\trun\t1\n");
+  EXPECT_THAT(succeed(polynomials), Not(HasSubstr("holds partly")));
+  EXPECT_THAT(read("out/verification.md"), Not(HasSubstr("-0.1 0.7")));
+}
+
+// A verification that is cut off goes on from the runs that it had made, and comes to the same.
+TEST_F(Verify, GoesOnAfterItWasCutOff) {
+  const std::string command = "verify --only bar_small --quiet --out ";
+  succeed(command + "whole");
+  shell("timeout -s KILL 0.1 '" + program() + "' " + command + "parts");
+  shell("timeout -s KILL 0.2 '" + program() + "' " + command + "parts");
+  succeed(command + "parts");
+  const std::string results = "/verification/results/bar_small.txt";
+  EXPECT_THAT(read("whole" + results), HasSubstr("impm"));
+  EXPECT_EQ(read("parts" + results), read("whole" + results));
+  EXPECT_EQ(read("parts/verification.md"), read("whole/verification.md"));
+  // Of a file that has lost whole runs these are made again.
+  const std::string all = read("whole" + results);
+  std::string fewer;
+  std::istringstream lines(all);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("\timpm\t32\t") == std::string::npos) fewer += line + "\n";
+  ASSERT_LT(fewer.size(), all.size());
+  write("whole" + results, fewer);
+  succeed(command + "whole");
+  EXPECT_EQ(read("whole" + results), all);
 }
 
 // The pages of the documentation are those of the results beside them: nothing is run here.

@@ -54,6 +54,7 @@ TEST(Manufactured, MomentumIsBalanced) {
   expect_balance<2>("vibration", steel, 0.1, 0, 1);
   expect_balance<3>("vibration", steel, 0.1, 0, 1);
   expect_balance<2>("axis_vibration", steel, 0.1, 0, 1);
+  expect_balance<2>("wave_along_x", steel, 0.1, 0, 1);
   expect_balance<2>("ring", NeoHookean{Lame::from(1e7, 0)}, 0.1, 0.3, 0.42);
   expect_balance<2>("vortex", NeoHookean{Lame::from(1000, 0.3)}, 1, 0.55, 0.85);
 }
@@ -88,6 +89,26 @@ TEST(Manufactured, AxisVibrationHasTheSourcesBodyForce) {
       pi * pi * u *
       (4 * mu / density - c2 - 4 * (lambda * (std::log(F) - 1) - mu) / (density * F * F));
   EXPECT_NEAR(exact->at(Vector<1>(X), t).body_force[0], b, 1e-10 * std::abs(b));
+}
+
+// A bar's wave, whatever the dimension: nothing moves across it, and no force is needed there.
+TEST(Manufactured, TheWaveAlongXIsThatOfABar) {
+  const auto bar = make_manufactured<1>("axis_vibration", 0.1, steel, density);
+  const auto square = make_manufactured<2>("wave_along_x", 0.1, steel, density);
+  const auto cube = make_manufactured<3>("wave_along_x", 0.1, steel, density);
+  for (const double X : {0.0, 0.21, 0.8})
+    for (const double t : {0.0037, 0.012}) {
+      const auto a = bar->at(Vector<1>(X), t);
+      const auto b = square->at(Vector<2>(X, 0.3), t);
+      const auto c = cube->at(Vector<3>(X, 0.3, 0.9), t);
+      EXPECT_NEAR(b.displacement[0], a.displacement[0], 1e-16);
+      EXPECT_NEAR(b.body_force[0], a.body_force[0], 1e-10 * std::abs(a.body_force[0]) + 1e-10);
+      EXPECT_NEAR(c.body_force[0], a.body_force[0], 1e-10 * std::abs(a.body_force[0]) + 1e-10);
+      EXPECT_EQ(b.displacement[1], 0);
+      EXPECT_EQ(b.body_force[1], 0);
+      EXPECT_EQ(c.velocity.tail<2>().norm() + c.body_force.tail<2>().norm(), 0);
+      EXPECT_EQ(b.F(1, 1), 1);
+    }
 }
 
 // Tran et al. 2019, eq. 72-74 as corrected (docs/misprints.md, T26, T27).

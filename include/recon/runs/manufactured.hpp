@@ -7,6 +7,7 @@
 //   vibration       u_d = G sin(pi X_d) sin(c pi t), any dimension; period 2 / c
 //                   (Gong 2015, eq. 4.35, 4.41)
 //   axis_vibration  u_d = G sin(2 pi X_d) sin(c pi t)  (Tran et al. 2019, eq. 48 with L = 1)
+//   wave_along_x    the same along the first axis alone, as the source has it
 //   ring            u_r = G sin(c pi t / (2 r)) (c3 R^3 + c2 R^2 + c1 R), r_i = 0.4, r_o = 0.6,
 //                   r = 0.5; free of traction for nu = 0
 //                   (eq. 57-59; docs/misprints.md, T17, T20)

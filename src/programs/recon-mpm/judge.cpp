@@ -9,27 +9,35 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// The numbers of one quantity on some grids, or nothing where a run has not been made.
-std::optional<std::vector<double>> series(const StudyResults& results, const std::string& variant,
-                                          const std::string& method, const std::string& of,
-                                          const std::vector<int>& grids) {
+// The numbers of one quantity on some grids, and whether the runs stopped.
+struct Series {
   std::vector<double> values;
+  std::vector<bool> stopped;
+
+  // What is said about the k-th grid, or about it and the one before, needs a number of a run that
+  // stopped.
+  bool lacks(std::size_t k, bool pair) const {
+    const auto none = [&](std::size_t j) { return stopped[j] && std::isnan(values[j]); };
+    return none(k) || (pair && none(k - 1));
+  }
+};
+
+// Nothing where a run has not been made.
+std::optional<Series> series(const StudyResults& results, const std::string& variant,
+                             const std::string& method, const std::string& of,
+                             const std::vector<int>& grids) {
+  Series made;
   for (const int grid : grids) {
     const auto run = results.find({variant, method, grid});
     if (run == results.end() || run->second.refused) return {};
-    values.push_back(run->second.value(of));
+    made.values.push_back(run->second.value(of));
+    made.stopped.push_back(!run->second.note.empty());
   }
-  return values;
+  return made;
 }
 
 bool within(const Rule& rule, double value) {
   return value >= rule.lower && value <= rule.upper;
-}
-
-// The last two: those of the finest grids.
-template <class T>
-std::vector<T> finest(const std::vector<T>& all) {
-  return {all.end() - std::min<std::ptrdiff_t>(2, std::ssize(all)), all.end()};
 }
 
 std::string pair_name(const std::vector<int>& grids, std::size_t finer) {
@@ -37,29 +45,34 @@ std::string pair_name(const std::vector<int>& grids, std::size_t finer) {
 }
 
 std::vector<RuleCheck> check(const Rule& rule, const Part& part, const std::vector<int>& grids,
-                             const std::vector<double>& values, const std::vector<double>& others) {
+                             const Series& own, const Series& other) {
   std::vector<RuleCheck> checks;
+  const std::vector<double>& values = own.values;
   const std::size_t n = grids.size();
+  const bool compares = rule.kind == "difference" || (rule.kind == "ratio" && !part.to);
   if (rule.kind == "order" || rule.kind == "difference" || rule.kind == "falls") {
     if (n < 2) return checks;
     std::vector<double> numbers = orders(grids, values);
     if (rule.kind == "difference") {
-      const std::vector<double> other = orders(grids, others);
-      for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] -= other[k];
+      const std::vector<double> others = orders(grids, other.values);
+      for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] -= others[k];
     }
     if (rule.kind == "falls")
       for (std::size_t k = 0; k + 1 < n; ++k) numbers[k] = values[k + 1] / values[k];
-    for (std::size_t k = 0; k + 1 < n; ++k) {
+    const std::size_t first = rule.kind == "falls" || n < 3 ? 0 : n - 3;  // the two finest pairs
+    for (std::size_t k = first; k + 1 < n; ++k) {
+      if (compares && other.lacks(k + 1, true) && !own.lacks(k + 1, true)) continue;
       bool kept = within(rule, numbers[k]);
       // The coarsest run must have ended: what never runs does not diverge.
       if (rule.stops && std::isnan(values[k + 1]) && std::isfinite(values[0])) kept = true;
       checks.push_back({pair_name(grids, k + 1), numbers[k], kept});
     }
-    return rule.kind == "falls" ? checks : finest(checks);
+    return checks;
   }
   for (std::size_t k = 0; k < n; ++k) {
+    if (compares && other.lacks(k, false) && !own.lacks(k, false)) continue;
     double number = values[k];
-    if (rule.kind == "ratio") number /= part.to ? *part.to : others[k];
+    if (rule.kind == "ratio") number /= part.to ? *part.to : other.values[k];
     bool kept = within(rule, number);
     if (rule.kind == "printed")  // the unit, and the rounding of the last bit
       kept = std::abs(number - part.printed) <= part.unit * (1 + 1e-9);
@@ -141,8 +154,10 @@ std::vector<Judgement> judge(const Claim& claim, const std::map<std::string, Rul
                          other_method + (other_of != of ? ": " + other_of : "");
           const auto values = series(results, variant, method, of, on);
           const auto others = series(results, other_variant, other_method, other_of, on);
-          if (values && others && !on.empty())
+          if (values && others && !on.empty()) {
             made.checks = check(rule, part, on, *values, *others);
+            made.alone = compares && made.checks.empty() && (rule.kind == "ratio" || on.size() > 1);
+          }
           judgements.push_back(std::move(made));
         }
   }
@@ -150,14 +165,16 @@ std::vector<Judgement> judge(const Claim& claim, const std::map<std::string, Rul
 }
 
 Verdict verdict_of(const std::vector<Judgement>& judgements) {
-  std::size_t kept = 0, some = 0;
+  std::size_t all = 0, kept = 0, some = 0;
   for (const Judgement& each : judgements) {
+    if (each.alone) continue;
     if (each.checks.empty()) return Verdict::unknown;
+    ++all;
     kept += each.kept();
     some += each.some();
   }
-  if (judgements.empty()) return Verdict::unknown;
-  return kept == judgements.size() ? Verdict::holds : some > 0 ? Verdict::partly : Verdict::fails;
+  if (all == 0) return Verdict::unknown;
+  return kept == all ? Verdict::holds : some > 0 ? Verdict::partly : Verdict::fails;
 }
 
 }  // namespace recon::program

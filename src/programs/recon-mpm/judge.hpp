@@ -40,6 +40,7 @@ struct Judgement {
   std::string series, rule;
   double lower = 0, upper = 0;
   std::vector<RuleCheck> checks;  // none: not all runs have been made
+  bool alone = false;             // none, because all runs that it is compared with stopped
   bool kept() const;              // all of them
   bool some() const;
 };
@@ -52,12 +53,14 @@ std::string name_of(Verdict verdict);
 std::vector<double> orders(const std::vector<int>& grids, const std::vector<double>& errors);
 
 // Judges the parts of a claim by the runs on these grids; a part with grids of its own takes those
-// of them that are among `grids` or, where `any` says so, all of them.
+// of them that are among `grids` or, where `any` says so, all of them. Where a run ended and the one
+// that it is compared with stopped, there is nothing to compare with, and no check: stopping is
+// judged by "breaks", "diverges" and "survives", not by what is smaller than a number that is none.
 std::vector<Judgement> judge(const Claim& claim, const std::map<std::string, Rule>& rules,
                              const StudyResults& results, const std::vector<int>& grids, bool any);
 
 // "holds" where all judgements are kept on all grids, "does not reproduce" where none is kept on
-// any, "holds partly" between; unknown where runs are missing.
+// any, "holds partly" between; unknown where runs are missing, or all judgements are alone.
 Verdict verdict_of(const std::vector<Judgement>& judgements);
 
 }  // namespace recon::program

@@ -113,12 +113,14 @@ std::string judgement_table(const Judged& judged) {
     for (const RuleCheck& check : each.checks)
       measured += (measured.empty() ? "" : "; ") +
                   (each.checks.size() > 1 ? check.name + ": " : "") + shown(check.value);
+    if (measured.empty())
+      measured = each.alone ? "stopped, all that it is compared with" : "not run";
     text += "| " + cell(each.series) + " | " + cell(each.rule) + " | " +
-            bounds(each.lower, each.upper) + " | " + (measured.empty() ? "not run" : measured) +
-            " | " +
-            (each.kept()   ? "yes"
-             : each.some() ? "in part"
-                           : "no") +
+            bounds(each.lower, each.upper) + " | " + measured + " | " +
+            (each.checks.empty() ? ""
+             : each.kept()       ? "yes"
+             : each.some()       ? "in part"
+                                 : "no") +
             " |\n";
   }
   return text + "\n";
@@ -217,12 +219,17 @@ std::string number_table(const Study& study, const StudyResults& results) {
   return text + "\n";
 }
 
+// The runs that did not come to their end, and those that were refused from the beginning.
 std::string stops(const StudyResults& results) {
-  std::string text;
-  for (const auto& [key, run] : results)
-    if (!run.note.empty())
-      text += "- " + run_name(key) + ", " + std::to_string(key.grid) + ": " + run.note + "\n";
-  return text.empty() ? "" : "Stopped:\n\n" + text + "\n";
+  std::string all;
+  for (const bool refused : {false, true}) {
+    std::string text;
+    for (const auto& [key, run] : results)
+      if (!run.note.empty() && run.refused == refused)
+        text += "- " + run_name(key) + ", " + std::to_string(key.grid) + ": " + run.note + "\n";
+    if (!text.empty()) all += (refused ? "Refused:\n\n" : "Stopped:\n\n") + text + "\n";
+  }
+  return all;
 }
 
 // Of a study: those that its runs have drawn.
@@ -333,11 +340,15 @@ std::string picture_name(const Study& study, const RunKey& key) {
   return name;
 }
 
-bool wanted(const Document& document, const Claim& claim, const std::string& only) {
+bool wanted(const ClaimList& list, const Document& document, const Claim& claim,
+            const std::string& only) {
   if (only.empty()) return true;
+  for (const Document& each : list.documents)
+    for (const Study& study : each.studies)
+      if (study.name == only) return claim.study == only;
   for (const std::string& at : claim.at)
     if ((document.source + ", " + at).find(only) != std::string::npos) return true;
-  return claim.says.find(only) != std::string::npos || claim.study == only;
+  return claim.says.find(only) != std::string::npos;
 }
 
 std::string listing(const ClaimList& list, const std::string& only) {
@@ -352,7 +363,8 @@ std::string listing(const ClaimList& list, const std::string& only) {
         if (here(each.at) && start.find(only) != std::string::npos)
           text += start + "no claim: " + each.why + "\n";
       for (const Claim& claim : document.claims)
-        if (here(claim.at) && wanted(document, claim, only)) text += start + claim.says + "\n";
+        if (here(claim.at) && wanted(list, document, claim, only))
+          text += start + claim.says + "\n";
     }
   return text;
 }
@@ -386,6 +398,9 @@ std::string verification_page(const Report& report) {
       "the three publications (`recon-mpm verify --list`), what eigenvalues of a step say "
       "([dispersion.md](dispersion.md)), and benchmarks of other codes "
       "([benchmarks.md](benchmarks.md)).\n\n" +
+      (report.only.empty() ? ""
+                           : "Only what was asked for stands here: `--only '" + report.only +
+                                 "'`; without it, this page has all claims.\n\n") +
       overview(report) + "A verdict is that of the rules below on the grids of the source" +
       (report.full ? "" : ", as far as the quick verification has them") +
       ". Claims about orders are made at T, a whole period, at which errors of first order may "
@@ -397,8 +412,11 @@ std::string verification_page(const Report& report) {
       "## How claims are judged\n\nA part of a claim holds where its rule is kept on all grids or "
       "pairs, and in part where it is on some. A claim holds where all parts do, does not "
       "reproduce where no part does on any grid, and holds partly in between. A run that stopped "
-      "has no numbers, and keeps no rule but \"diverges\" and \"breaks\". The rules are in "
-      "[claims/rules.toml](claims/rules.toml).\n\n" +
+      "has no numbers, and keeps no rule but \"diverges\" and \"breaks\"; a run that ended is not "
+      "compared with one that stopped. The rules are in "
+      "[claims/rules.toml](claims/rules.toml), which says what of them was changed after results "
+      "were "
+      "seen.\n\n" +
       rules_table(report.list);
   for (const Document& document : report.list.documents) {
     text += "## Measured: " + document.source + "\n\n";

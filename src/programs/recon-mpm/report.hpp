@@ -25,6 +25,7 @@ struct Report {
   std::vector<Judged> claims;
   std::map<std::string, StudyResults> results;  // by the name of the study
   bool full = false;
+  std::string only;    // what of the list was asked for; empty: all
   std::string folder;  // of pictures, beside the page; empty: none
 };
 
@@ -36,10 +37,12 @@ std::string verification_page(const Report& report);
 //   <!-- study: NAME; of: QUANTITY -->  a quantity, with a column for each grid
 // Throws InvalidArgument for a mark that names what there is not.
 std::string filled_page(const std::string& page, const Report& report);
-// One line for each number and claim.
+// One line for each number and claim; nothing where `only` names none.
 std::string listing(const ClaimList& list, const std::string& only);
-// Whether --only names this claim.
-bool wanted(const Document& document, const Claim& claim, const std::string& only);
+// Whether --only names this claim: by its study, or, if there is no study of that name, by a text in
+// its place or words.
+bool wanted(const ClaimList& list, const Document& document, const Claim& claim,
+            const std::string& only);
 std::string picture_name(const Study& study, const RunKey& key);
 
 }  // namespace recon::program

@@ -10,10 +10,14 @@ namespace recon::program {
 
 // Lines of "mark variant method grid quantity value", with tabs between them. The mark stands for
 // all that defines a run besides its method and grid: kind of study, problem file, settings. Lines
-// with another mark belong to an older definition and are left out.
+// with another mark, or of a variant, method or grid that the study does not have, belong to an
+// older definition and are left out. A run begins with its sum, which stands for all its lines: a run
+// that has been changed since, or has lost a line, is refused. (A sum of 1 is that of runs that were
+// kept before there were sums.)
 class ResultFile {
  public:
-  // An empty folder: nothing is kept. Throws FileError for a line that cannot be read.
+  // An empty folder: nothing is kept. Throws FileError for a line that cannot be read, and for a run
+  // that is not as it was written.
   ResultFile(const std::filesystem::path& folder, const Study& study);
   const StudyResults& runs() const { return runs_; }
   // Adds a run and writes the file. Throws FileError.

@@ -1,4 +1,5 @@
 // recon-mpm verify: the claims of the publications, measured and judged.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -33,9 +34,9 @@ constexpr const char* folder_name = "verification";
 class Verification {
  public:
   explicit Verification(const VerifyCommand& options)
-      : options_(options),
-        list_(read_claims(claim_texts())),
-        report_{list_, {}, {}, options.full, ""} {
+      : options_(options), list_(read_claims(claim_texts())), report_{list_,        {},
+                                                                      {},           options.full,
+                                                                      options.only, ""} {
     if (!options.out.empty()) report_.folder = (fs::path(options.out) / folder_name).string();
     results_ = !options.results.empty() ? options.results
                : options.out.empty()    ? ""
@@ -43,6 +44,13 @@ class Verification {
   }
 
   const ClaimList& list() const { return list_; }
+  bool has_claims() const {
+    return std::any_of(list_.documents.begin(), list_.documents.end(), [&](const Document& each) {
+      return std::any_of(each.claims.begin(), each.claims.end(), [&](const Claim& claim) {
+        return wanted(list_, each, claim, options_.only);
+      });
+    });
+  }
 
   void make_folders() const {
     for (const std::string& folder : {report_.folder, results_})
@@ -53,23 +61,26 @@ class Verification {
       }
   }
 
-  void measure() {
-    std::vector<std::pair<const Study*, std::vector<RunKey>>> missing;
-    std::size_t runs = 0;
+  // What has been kept of the studies that are asked for, and which of their runs are to be made.
+  void read_results() {
     for (const Document& document : list_.documents)
       for (const Study& study : document.studies) {
         if (!is_wanted(document, study)) continue;
         files_.emplace_back(std::make_unique<ResultFile>(results_, study));
-        missing.push_back({&study, {}});
+        missing_.push_back({&study, {}});
         for (const RunKey& key : runs_on(study, grids(study)))
           if (options_.again || !files_.back()->runs().contains(key))
-            missing.back().second.push_back(key);
-        runs += missing.back().second.size();
+            missing_.back().second.push_back(key);
       }
+  }
+
+  void measure() {
+    std::size_t runs = 0;
+    for (const auto& [study, keys] : missing_) runs += keys.size();
     Progress progress("verify", runs, options_.quiet);
-    for (std::size_t s = 0; s < missing.size(); ++s) {
-      const Study& study = *missing[s].first;
-      for (const RunKey& key : missing[s].second) {
+    for (std::size_t s = 0; s < missing_.size(); ++s) {
+      const Study& study = *missing_[s].first;
+      for (const RunKey& key : missing_[s].second) {
         if (options_.minutes > 0 && progress.seconds() > 60 * options_.minutes) break;
         files_[s]->add(key, run(study, key));
         progress.advance(1);
@@ -82,7 +93,7 @@ class Verification {
   void judge_all() {
     for (const Document& document : list_.documents)
       for (const Claim& claim : document.claims)
-        if (wanted(document, claim, options_.only)) judge_one(document, claim);
+        if (wanted(list_, document, claim, options_.only)) judge_one(document, claim);
   }
 
   void write() const {
@@ -104,7 +115,7 @@ class Verification {
  private:
   bool is_wanted(const Document& document, const Study& study) const {
     for (const Claim& claim : document.claims)
-      if (claim.study == study.name && wanted(document, claim, options_.only)) return true;
+      if (claim.study == study.name && wanted(list_, document, claim, options_.only)) return true;
     return false;
   }
 
@@ -159,7 +170,10 @@ class Verification {
     const StudyResults& results = report_.results.at(study.name);
     judged.judgements = judge(claim, list_.rules, results, main_grids(study), options_.full);
     judged.verdict = verdict_of(judged.judgements);
-    if (judged.verdict == Verdict::unknown) {
+    const auto is_alone = [](const Judgement& each) { return each.alone; };
+    if (std::all_of(judged.judgements.begin(), judged.judgements.end(), is_alone)) {
+      judged.why = "all runs that it is compared with stopped";
+    } else if (judged.verdict == Verdict::unknown) {
       judged.why = "not in the quick verification";
       if (options_.full) {  // better the grids of the quick verification than none, if that is said
         std::vector<Judgement> quick = judge(claim, list_.rules, results, study.quick, false);
@@ -233,15 +247,23 @@ class Verification {
   const ClaimList list_;
   std::string results_;
   std::vector<std::unique_ptr<ResultFile>> files_;
+  std::vector<std::pair<const Study*, std::vector<RunKey>>> missing_;  // a study for each file
   Report report_;
 };
 
 void run(const VerifyCommand& options) {
   Verification verification(options);
+  const std::string list = listing(verification.list(), options.only);
+  if (list.empty())
+    fail_usage("--only '" + options.only +
+               "': no figure, table, section, claim or study has this text; --list names them all");
   if (options.list) {
-    std::fputs(listing(verification.list(), options.only).c_str(), stdout);
+    std::fputs(list.c_str(), stdout);
     return;
   }
+  if (!verification.has_claims())
+    fail_usage("--only '" + options.only + "': " + list.substr(0, list.find('\n')));
+  with_exit_code(wrong_input, [&] { verification.read_results(); });
   verification.make_folders();
   with_exit_code(no_output, [&] { verification.measure(); });
   verification.judge_all();
@@ -258,8 +280,8 @@ Command add_verify(CLI::App& app) {
   command->add_flag("--full", options->full, "the grids of the publications and finer ones; hours");
   command
       ->add_option("--only", options->only,
-                   "claims whose place or words contain this text, as in 'figure 10' or 'Ring'; "
-                   "or the name of a study")
+                   "one study by its name, or else all claims whose place or words contain this "
+                   "text, as in 'figure 10' or 'Ring'")
       ->type_name("TEXT");
   command
       ->add_option("--out", options->out,
