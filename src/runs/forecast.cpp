@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/brief.hpp"
+#include "mpm/policies.hpp"
 #include "recon/local_solve/report.hpp"
 
 namespace recon::mpm {
@@ -40,13 +41,20 @@ double bytes_of_node(const Method& method) {
   return bytes;
 }
 
+// Of a particle or image that a fit sees: copies in the order of cells.
+template <int D>
+double bytes_in_fit(const Method& method) {
+  if (!is_fit(method.velocity)) return 0;
+  const double points = method.velocity == VelocityMap::cpls ? 1 + (1 << D) : 1;
+  return points * D * sizeof(double) * 4;
+}
+
 // Of a particle, while a step is made: its place in the order of slabs, and copies.
 template <int D>
 double bytes_in_step(const Method& method, const Kept& kept) {
   constexpr double value = sizeof(double);
   double bytes = 2 * sizeof(std::uint32_t);
-  const double points = method.velocity == VelocityMap::cpls ? 1 + (1 << D) : 1;
-  if (is_fit(method.velocity)) bytes += points * D * value * 4;  // copies in the order of cells
+  bytes += bytes_in_fit<D>(method);
   // Lists of neighbours, within two cells of each node: indices and weights of 4^D cells' worth of
   // particles for each node, so of 4^D nodes for each particle.
   if (method.velocity == VelocityMap::imls) bytes += 1.3 * std::pow(4, D) * (value + 4);
@@ -55,6 +63,25 @@ double bytes_in_step(const Method& method, const Kept& kept) {
   if (method.update == Update::xpic || method.update == Update::fmpm) bytes += value * D;
   if (method.mass == MassMatrix::consistent)
     bytes += std::pow(method.basis == Basis::linear ? 4 : 9, D) * 16;
+  return bytes;
+}
+
+// Of all images of particles, while a step is made: those that give to the nodes, which are copies
+// of the particles, and those that fits see.
+template <int D>
+double bytes_of_images(const Problem<D>& problem, const Particles<D>& particles) {
+  const auto count = [&](bool of_fits) {
+    const Images<D> images = images_of(problem, of_fits);
+    return images.empty() ? 0.0 : static_cast<double>(images.of(particles.x).size());
+  };
+  const double forces = problem.body_force ? D * sizeof(double) : 0;
+  const double slab = 2 * sizeof(std::uint32_t);
+  double bytes = 0;
+  if (problem.has_images())
+    bytes +=
+        count(false) * (sizeof(Image<D>) + bytes_of_particle<D>(problem.kept()) + forces + slab);
+  if (const double fit = bytes_in_fit<D>(problem.method); fit > 0)
+    bytes += count(true) * (sizeof(Image<D>) + fit);
   return bytes;
 }
 
@@ -142,7 +169,8 @@ Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles,
   found.memory =
       static_cast<double>(found.particles) *
           (2 * bytes_of_particle<D>(kept) + bytes_in_step<D>(problem.method, kept) + forces) +
-      static_cast<double>(found.nodes) * bytes_of_node<D>(problem.method);
+      static_cast<double>(found.nodes) * bytes_of_node<D>(problem.method) +
+      bytes_of_images(problem, particles);
   found.step = choose_step(problem, particles);
   if (std::isfinite(problem.time.end))
     found.steps = std::ceil((problem.time.end - time) / found.step.dt * (1 - 1e-12));
