@@ -1,17 +1,31 @@
 #include "core/symmetric_eigen.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <utility>
 
 namespace recon::detail {
+namespace {
+
+// By one rotation, [c s; -s c] in Eigen's signs.
+SymmetricEigen of_a_plane(double xx, double xy, double yy) {
+  Eigen::JacobiRotation<double> turn;
+  turn.makeJacobi(xx, xy, yy);
+  const double c = turn.c(), s = turn.s(), change = s / c * xy;
+  SymmetricEigen found{{xx - change, yy + change}, {{{c, -s}, {s, c}}}};
+  if (found.values[1] < found.values[0]) {
+    std::swap(found.values[0], found.values[1]);
+    std::swap(found.direction[0], found.direction[1]);
+  }
+  return found;
+}
+
+}  // namespace
 
 SymmetricEigen symmetric_eigen(int D, const double* matrix) {
-  // The other axes have a value above all others: these are at most the norm of the matrix.
-  Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < D; ++i)
-    for (int j = 0; j < D; ++j) all(i, j) = matrix[i * D + j];
-  const double beyond = 2 * all.norm();
-  for (int i = D; i < 3; ++i) all(i, i) = beyond;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(all);
+  if (D == 1) return {{matrix[0]}, {{{1}}}};
+  if (D == 2) return of_a_plane(matrix[0], matrix[1], matrix[3]);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(
+      Eigen::Map<const Eigen::Matrix3d>{matrix});
   SymmetricEigen found;
   for (int d = 0; d < 3; ++d) {
     found.values[d] = parts.eigenvalues()[d];

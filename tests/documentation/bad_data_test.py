@@ -116,6 +116,8 @@ TESTS = {
         ["programs.WhereTest.Mistakes"],
     "a body of the material point method across the border of the grid":
         ["runs.MpmFiles.BodiesLieInTheGrid", "mpm.Problems.AreChecked"],
+    "a wall between the nodes without room for images beyond it, of which only a part is held, or that moves":
+        ["mpm.ImagesOfParticles.RefuseWhatTheyCannotBe", "runs.MpmFiles.WhatAFileSaysIsCheckedByTheProblem"],
     "a step that does not move the clock, more steps or memory than there is":
         ["mpm.States.AreOfOneTime", "runs.MpmFiles.TooMuchIsRefusedWithNumbers",
          "programs.MistakesTest.MoreMemoryThanThereIs"],
