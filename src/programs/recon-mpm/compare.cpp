@@ -29,7 +29,9 @@ struct CompareCommand {
 
 // Families that a reader tells apart, each in its colour.
 const char* family(const mpm::Method& method) {
-  if (method.update == mpm::Update::pic || method.velocity == mpm::VelocityMap::taylor)
+  using mpm::VelocityMap;
+  if (method.update == mpm::Update::pic || method.velocity == VelocityMap::taylor ||
+      method.velocity == VelocityMap::affine || method.velocity == VelocityMap::polynomial)
     return "taylor, affine, polynomial";
   if (method.update == mpm::Update::xpic || method.update == mpm::Update::fmpm) return "filtered";
   const bool fitted =
