@@ -262,21 +262,23 @@ void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, co
                   });
 }
 
-// Calls each(image, its number) for the images of particle p in mirrors, as far as two cells beyond
-// them; returns how many there are. A particle takes the mean of what it
+// Calls each(image, its number) for the images of particle p, which is at x, in mirrors, as far as
+// two cells beyond them; returns how many there are. A particle takes the mean of what it
 // and these see, as an image has it: nodes on both sides of a plane between them are no images of
 // each other, and what a particle takes is then the transpose of what it and its image give.
-// Without that disturbances beside a wall grow.
+// Without that disturbances beside a wall grow. None for splines, which at images see nodes so far
+// beyond the mirror that these lack images of their own.
 template <int D, class Each>
-int for_mirrors(const Grid<D>& grid, const Vector<D>& x, const ImageParticles<D>& images,
-                std::size_t p, const Each& each) {
+int for_mirrors(const Problem<D>& problem, const Nodes<D>& nodes, const Vector<D>& x, std::size_t p,
+                const Each& each) {
   int count = 0;
-  const auto [first, last] = images.of_particle(p);
+  if (nodes.images.of.empty() || problem.method.basis != Basis::linear) return count;
+  const auto [first, last] = nodes.images.of_particle(p);
   for (std::size_t i = first; i < last; ++i) {
-    const Image<D>& image = images.of[i];
+    const Image<D>& image = nodes.images.of[i];
     bool near = image.mirrored != 0;
     for (int d = 0; d < D; ++d)
-      near = near && std::abs(image.x[d] - x[d]) <= image_cells * grid.h();
+      near = near && std::abs(image.x[d] - x[d]) <= image_cells * problem.grid.h();
     if (!near) continue;
     each(image, i);
     ++count;

@@ -43,22 +43,20 @@ class RungeKutta : public UpdatePolicy<D> {
   // And adds `weight` times the rates to their sum.
   void rates_of(const Nodes<D>& nodes, const Particles<D>& particles, double weight,
                 std::vector<Rates>& rates, std::vector<Rates>& sum) const {
-    // As in other updates (update.cpp).
-    const bool mirrors = !nodes.images.of.empty() && this->problem_.method.basis == Basis::linear;
     with_shape(this->problem_.method, [&](auto shape_of) {
       using Seen = typename decltype(shape_of)::template Nodes<D>;
       const auto each = [&](std::size_t p, const auto& shape, Seen& at) {
         rates[p].x = shape.value(nodes.velocity, trusted);
         rates[p].v = shape.value(nodes.acceleration, trusted);
         rates[p].L = shape.gradient(nodes.velocity, trusted);
-        if (mirrors) {
-          const auto add = [&](const Image<D>& image, std::size_t i) {
-            functions_of(this->problem_, nodes.images.particles, nodes, shape_of, i, at);
-            rates[p].x += image.vector(at.value(nodes.velocity, trusted));
-            rates[p].v += image.vector(at.value(nodes.acceleration, trusted));
-            rates[p].L += image.gradient(at.gradient(nodes.velocity, trusted));
-          };
-          const int more = for_mirrors(this->problem_.grid, particles.x[p], nodes.images, p, add);
+        const auto add = [&](const Image<D>& image, std::size_t i) {
+          functions_of(this->problem_, nodes.images.particles, nodes, shape_of, i, at);
+          rates[p].x += image.vector(at.value(nodes.velocity, trusted));
+          rates[p].v += image.vector(at.value(nodes.acceleration, trusted));
+          rates[p].L += image.gradient(at.gradient(nodes.velocity, trusted));
+        };
+        const int more = for_mirrors(this->problem_, nodes, particles.x[p], p, add);
+        if (more > 0) {
           rates[p].x /= 1 + more;
           rates[p].v /= 1 + more;
           rates[p].L /= 1 + more;

@@ -32,8 +32,6 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
   const Method& method = problem.method;
   const double pic = method.pic_part(from.kick);
   const std::size_t modes = mode_count(method.velocity, D);
-  // Splines at images see nodes so far beyond the mirror that these lack images of their own.
-  const bool mirrors = !nodes.images.of.empty() && method.basis == Basis::linear;
   // What a place sees of the nodes.
   struct Seen {
     Vector<D> v, a;
@@ -58,23 +56,22 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       fill_modes(grid, shape_of, particles.x[p], shape, method.velocity, scratch.modes);
       scratch.modes.coefficients(shape, from.carried, &particles.modes[p * modes], trusted);
     }
-    if (mirrors) {
-      const auto add = [&](const Image<D>& image, std::size_t i) {
-        auto& at = scratch.image;
-        functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
-        const Seen there = see(at);
-        seen.v += image.vector(there.v);
-        seen.a += image.vector(there.a);
-        seen.L += image.gradient(there.L);
-        if (!with_modes) return;
-        scratch.of_image.resize(modes);
-        fill_modes(grid, shape_of, image.x, at, method.velocity, scratch.modes);
-        scratch.modes.coefficients(at, from.carried, scratch.of_image.data(), trusted);
-        for (std::size_t r = 0; r < modes; ++r)  // slopes along the axes (problem.cpp)
-          particles.modes[p * modes + r] += image.vector(scratch.of_image[r]) *
-                                            Image<D>::signs(image.mirrored)[static_cast<int>(r)];
-      };
-      const int more = for_mirrors(grid, particles.x[p], nodes.images, p, add);
+    const auto add = [&](const Image<D>& image, std::size_t i) {
+      auto& at = scratch.image;
+      functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
+      const Seen there = see(at);
+      seen.v += image.vector(there.v);
+      seen.a += image.vector(there.a);
+      seen.L += image.gradient(there.L);
+      if (!with_modes) return;
+      scratch.of_image.resize(modes);
+      fill_modes(grid, shape_of, image.x, at, method.velocity, scratch.modes);
+      scratch.modes.coefficients(at, from.carried, scratch.of_image.data(), trusted);
+      for (std::size_t r = 0; r < modes; ++r)  // slopes along the axes (problem.cpp)
+        particles.modes[p * modes + r] += image.vector(scratch.of_image[r]) *
+                                          Image<D>::signs(image.mirrored)[static_cast<int>(r)];
+    };
+    if (const int more = for_mirrors(problem, nodes, particles.x[p], p, add); more > 0) {
       seen.v /= 1 + more;
       seen.a /= 1 + more;
       seen.L /= 1 + more;
@@ -96,13 +93,12 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       ContinuedLinearFunctions::Nodes<D> at;
       ContinuedLinearFunctions{}.at(grid, x, at);
       Vector<D> v = at.value(from.carried, trusted);
-      if (!mirrors) return v;
-      const auto add = [&](const Image<D>& image, std::size_t) {
+      const auto add_there = [&](const Image<D>& image, std::size_t) {
         ContinuedLinearFunctions{}.at(grid, Vector<D>(image.x + image.offset(x - place)), at);
         v += image.vector(at.value(from.carried, trusted));
       };
-      const int more = for_mirrors(grid, place, nodes.images, p, add);
-      return Vector<D>(v / (1 + more));
+      const int more = for_mirrors(problem, nodes, place, p, add_there);
+      return more > 0 ? Vector<D>(v / (1 + more)) : v;
     };
     particles.x[p] += dt * seen.v;
     shape_of.move(particles, p, velocity_at, dt);

@@ -50,9 +50,6 @@ Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
   const Nodes<D>& nodes = simulation.nodes();
   const double half = simulation.velocity_lag();
 
-  // What particles take from the nodes: beside a mirror the mean of what they and their images see
-  // (update.cpp).
-  const bool mirrors = !nodes.images.of.empty() && problem.method.basis == Basis::linear;
   const VelocityMap map = problem.method.velocity;
   const std::size_t modes = mode_count(map, D);
   const std::vector<Vector<D>>& body_force = simulation.stepper().body_force();
@@ -60,46 +57,49 @@ Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
   // Sums of blocks, added in their order.
   std::vector<Ledger> blocks((particles.size() + particles_per_sum - 1) / particles_per_sum);
   with_shape(problem.method, [&](auto shape_of) {
-    parallel_blocks(
-        particles.size(), particles_per_sum, problem.threads,
-        [&](std::size_t begin, std::size_t end) {
-          Ledger& sum = blocks[begin / particles_per_sum];
-          typename decltype(shape_of)::template Nodes<D> shape, at;
-          const auto taken = [&](std::size_t p, const std::vector<Vector<D>>& u) {
-            Vector<D> all = shape.value(u, trusted);
-            if (!mirrors) return all;
-            const auto add = [&](const Image<D>& image, std::size_t i) {
-              functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
-              all += image.vector(at.value(u, trusted));
-            };
-            const int more = for_mirrors(problem.grid, particles.x[p], nodes.images, p, add);
-            return Vector<D>(all / (1 + more));
-          };
-          ParticleModes<D, decltype(shape_of)> of;
-          for (std::size_t p = begin; p < end; ++p) {
-            shape_of.shape(problem.grid, particles, p, shape);
-            const double m = particles.mass[p];
-            const Vector<D> momentum = m * particles.v[p];
-            const Vector<D> gained = half * taken(p, nodes.acceleration);
-            const Vector<D> now = particles.v[p] + gained;
-            Vector<D> weight = m * problem.gravity;
-            if (!body_force.empty()) weight += m * body_force[p];
-            sum.power += weight.dot(taken(p, nodes.velocity) + gained);
-            sum.mass += m;
-            add<D>(sum.momentum, momentum);
-            add_angular<D>(sum.angular, particles.x[p], momentum);
-            if (modes > 0) {
-              fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
-              const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
-              for (int d = 0; d < D; ++d)
-                add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
-            }
-            sum.kinetic += m * now.squaredNorm() / 2;
-            sum.strain += particles.energy[p];
-            sum.linear_strain += linear_strain_energy(lame(problem.materials[particles.body[p]]),
-                                                      particles.stress[p], particles.volume(p));
-          }
-        });
+    parallel_blocks(particles.size(), particles_per_sum, problem.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      Ledger& sum = blocks[begin / particles_per_sum];
+                      typename decltype(shape_of)::template Nodes<D> shape, at;
+                      ParticleModes<D, decltype(shape_of)> of;
+                      for (std::size_t p = begin; p < end; ++p) {
+                        shape_of.shape(problem.grid, particles, p, shape);
+                        // What the particle takes from the nodes.
+                        Vector<D> velocity = shape.value(nodes.velocity, trusted);
+                        Vector<D> acceleration = shape.value(nodes.acceleration, trusted);
+                        const auto see_image = [&](const Image<D>& image, std::size_t i) {
+                          functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
+                          velocity += image.vector(at.value(nodes.velocity, trusted));
+                          acceleration += image.vector(at.value(nodes.acceleration, trusted));
+                        };
+                        const int more = for_mirrors(problem, nodes, particles.x[p], p, see_image);
+                        if (more > 0) {
+                          velocity /= 1 + more;
+                          acceleration /= 1 + more;
+                        }
+                        const double m = particles.mass[p];
+                        const Vector<D> momentum = m * particles.v[p];
+                        const Vector<D> gained = half * acceleration;
+                        const Vector<D> now = particles.v[p] + gained;
+                        Vector<D> weight = m * problem.gravity;
+                        if (!body_force.empty()) weight += m * body_force[p];
+                        sum.power += weight.dot(velocity + gained);
+                        sum.mass += m;
+                        add<D>(sum.momentum, momentum);
+                        add_angular<D>(sum.angular, particles.x[p], momentum);
+                        if (modes > 0) {
+                          fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
+                          const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
+                          for (int d = 0; d < D; ++d)
+                            add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
+                        }
+                        sum.kinetic += m * now.squaredNorm() / 2;
+                        sum.strain += particles.energy[p];
+                        sum.linear_strain +=
+                            linear_strain_energy(lame(problem.materials[particles.body[p]]),
+                                                 particles.stress[p], particles.volume(p));
+                      }
+                    });
   });
   Ledger ledger;
   ledger.step = simulation.steps();

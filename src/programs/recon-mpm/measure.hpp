@@ -3,17 +3,14 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "judge.hpp"
 #include "recon/io/picture.hpp"
 #include "recon/runs/ledger.hpp"
 #include "recon/runs/read_problem.hpp"
-#include "recon/runs/run.hpp"
 
 namespace recon::program {
 
@@ -51,25 +48,6 @@ std::span<const NamedMeasure> bending_measures();
 std::span<const NamedMeasure> fit_measures();
 std::span<const NamedMeasure> stability_measures();
 std::span<const NamedMeasure> probe_measures();
-
-// Half of the step that the problem's rule gives.
-template <int D>
-void halve(mpm::Problem<D>& problem, double by = 2) {
-  problem.time.step /= by;
-  problem.time.courant = problem.time.courant.value_or(problem.method.default_courant(D)) / by;
-}
-
-// The part of its time that a run comes to, and why it stops.
-template <int D>
-std::pair<double, std::string> run_to_end(const mpm::ProblemFile<D>& file) {
-  mpm::Simulation<D> simulation(file.problem);
-  try {
-    mpm::run_until(simulation, file.problem.time.end, {}, file.limits);
-  } catch (const mpm::Failure& stop) {
-    return {simulation.time() / file.problem.time.end, stop.what()};
-  }
-  return {1, ""};
-}
 
 // How far a run comes: "part of the time", and "stops", which is 1 where it stops because a volume
 // is no longer positive, and so with half the step.

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "measure.hpp"
+#include "recon/runs/run.hpp"
 #include "recon/studies/convergence.hpp"
 
 namespace recon::program {
@@ -27,6 +28,25 @@ Measured convergence(const Request& request) {
     if (row.time == end) measured.note = row.failure;
   }
   return measured;
+}
+
+// Half of the step that the problem's rule gives.
+template <int D>
+void halve(mpm::Problem<D>& problem, double by = 2) {
+  problem.time.step /= by;
+  problem.time.courant = problem.time.courant.value_or(problem.method.default_courant(D)) / by;
+}
+
+// The part of its time that a run comes to, and why it stops.
+template <int D>
+std::pair<double, std::string> run_to_end(const mpm::ProblemFile<D>& file) {
+  mpm::Simulation<D> simulation(file.problem);
+  try {
+    mpm::run_until(simulation, file.problem.time.end, {}, file.limits);
+  } catch (const mpm::Failure& stop) {
+    return {simulation.time() / file.problem.time.end, stop.what()};
+  }
+  return {1, ""};
 }
 
 Measured breaks(const Request& request) {

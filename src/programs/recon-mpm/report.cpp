@@ -415,8 +415,7 @@ std::string verification_page(const Report& report) {
       "has no numbers, and keeps no rule but \"diverges\" and \"breaks\"; a run that ended is not "
       "compared with one that stopped. The rules are in "
       "[claims/rules.toml](claims/rules.toml), which says what of them was changed after results "
-      "were "
-      "seen.\n\n" +
+      "were seen.\n\n" +
       rules_table(report.list);
   for (const Document& document : report.list.documents) {
     text += "## Measured: " + document.source + "\n\n";

@@ -25,8 +25,8 @@ struct Report {
   std::vector<Judged> claims;
   std::map<std::string, StudyResults> results;  // by the name of the study
   bool full = false;
-  std::string only;    // what of the list was asked for; empty: all
-  std::string folder;  // of pictures, beside the page; empty: none
+  std::string only = {};    // what of the list was asked for; empty: all
+  std::string folder = {};  // of pictures, beside the page; empty: none
 };
 
 std::string verification_page(const Report& report);

@@ -34,9 +34,9 @@ constexpr const char* folder_name = "verification";
 class Verification {
  public:
   explicit Verification(const VerifyCommand& options)
-      : options_(options), list_(read_claims(claim_texts())), report_{list_,        {},
-                                                                      {},           options.full,
-                                                                      options.only, ""} {
+      : options_(options), list_(read_claims(claim_texts())), report_{list_, {}, {}} {
+    report_.full = options.full;
+    report_.only = options.only;
     if (!options.out.empty()) report_.folder = (fs::path(options.out) / folder_name).string();
     results_ = !options.results.empty() ? options.results
                : options.out.empty()    ? ""
