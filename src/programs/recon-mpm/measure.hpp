@@ -11,6 +11,7 @@
 #include "recon/io/picture.hpp"
 #include "recon/runs/ledger.hpp"
 #include "recon/runs/read_problem.hpp"
+#include "recon/runs/run.hpp"
 
 namespace recon::program {
 
@@ -49,15 +50,42 @@ std::span<const NamedMeasure> fit_measures();
 std::span<const NamedMeasure> stability_measures();
 std::span<const NamedMeasure> probe_measures();
 
+// The step that the rule of the problem gives, divided by a factor.
+template <int D>
+void shorten_step(mpm::Problem<D>& problem, double by) {
+  problem.time.step /= by;
+  problem.time.courant = problem.time.courant.value_or(problem.method.default_courant(D)) / by;
+}
+
+// Runs to the end, with observe() after every map(); why it stopped, nothing where it did not.
+template <int D>
+std::string run_to_end(mpm::Simulation<D>& simulation, const mpm::ProblemFile<D>& file,
+                       const std::function<void()>& observe = {}) {
+  try {
+    mpm::run_until<D>(simulation, file.problem.time.end, observe, file.limits);
+  } catch (const mpm::Failure& stop) {
+    return stop.what();
+  }
+  return "";
+}
+
+// Why the same run stops with half the step.
+template <int D>
+std::string run_with_half_step(mpm::ProblemFile<D> file) {
+  shorten_step(file.problem, 2);
+  mpm::Simulation<D> simulation(file.problem);
+  return run_to_end(simulation, file);
+}
+
 // How far a run comes: "part of the time", and "stops", which is 1 where it stops because a volume
 // is no longer positive, and so with half the step.
 template <class Run>
-void add_fate(Measured& measured, double reached, Run run_with_half_step) {
+void add_fate(Measured& measured, double reached, Run half_step) {
   measured.add("part of the time", reached);
   const auto inverted = [](const std::string& note) {
     return note.find("volume is no longer positive") != std::string::npos;
   };
-  const bool breaks = reached < 1 && inverted(measured.note) && inverted(run_with_half_step());
+  const bool breaks = reached < 1 && inverted(measured.note) && inverted(half_step());
   measured.add("stops", breaks ? 1 : 0);
 }
 

@@ -6,7 +6,6 @@
 #include "programs/common/text.hpp"
 #include "recon/operators/reconstruct.hpp"
 #include "recon/points/generate.hpp"
-#include "recon/runs/run.hpp"
 #include "recon/studies/errors.hpp"
 
 namespace recon::program {
@@ -59,33 +58,26 @@ template <int D>
 History watch(const mpm::ProblemFile<D>& file, mpm::Simulation<D>& simulation, Measured& measured) {
   History history;
   std::optional<mpm::Ledger> start;
-  try {
-    mpm::run_until<D>(
-        simulation, file.problem.time.end,
-        [&] {
-          const mpm::Ledger now = mpm::account(simulation, start);
-          if (!start) start = now;
-          const auto& particles = simulation.particles();
-          const auto& nodes = simulation.nodes();
-          double of_particles = 0, of_nodes = 0, moments = 0;
-          for (std::size_t p = 0; p < particles.size(); ++p) {
-            of_particles += particles.mass[p] * particles.v[p].norm();
-            moments += moment<D>(particles.x[p], particles.mass[p] * particles.v[p]);
-          }
-          for (std::size_t i = 0; i < nodes.mass.size(); ++i)
-            of_nodes += std::abs(nodes.mass[i]) * nodes.mapped[i].norm();
-          history.time.push_back(now.time);
-          history.sum_of_particles.push_back(of_particles);
-          history.sum_of_nodes.push_back(of_nodes);
-          history.energies.push_back({now.kinetic, now.strain});
-          if (file.exact) history.exact.push_back(exact_energies(simulation, *file.exact));
-          history.ledger.push_back(now);
-          history.largest_moment = std::max(history.largest_moment, moments);
-        },
-        file.limits);
-  } catch (const mpm::Failure& stop) {
-    measured.note = stop.what();
-  }
+  measured.note = run_to_end(simulation, file, [&] {
+    const mpm::Ledger now = mpm::account(simulation, start);
+    if (!start) start = now;
+    const auto& particles = simulation.particles();
+    const auto& nodes = simulation.nodes();
+    double of_particles = 0, of_nodes = 0, moments = 0;
+    for (std::size_t p = 0; p < particles.size(); ++p) {
+      of_particles += particles.mass[p] * particles.v[p].norm();
+      moments += moment<D>(particles.x[p], particles.mass[p] * particles.v[p]);
+    }
+    for (std::size_t i = 0; i < nodes.mass.size(); ++i)
+      of_nodes += std::abs(nodes.mass[i]) * nodes.mapped[i].norm();
+    history.time.push_back(now.time);
+    history.sum_of_particles.push_back(of_particles);
+    history.sum_of_nodes.push_back(of_nodes);
+    history.energies.push_back({now.kinetic, now.strain});
+    if (file.exact) history.exact.push_back(exact_energies(simulation, *file.exact));
+    history.ledger.push_back(now);
+    history.largest_moment = std::max(history.largest_moment, moments);
+  });
   return history;
 }
 
@@ -253,12 +245,8 @@ Measured ring_fields(const Request& request) {
   Measured measured;
   const auto file = std::get<mpm::ProblemFile<2>>(request.load());
   mpm::Simulation<2> simulation(file.problem);
-  try {
-    mpm::run_until(simulation, file.problem.time.end, {}, file.limits);
-  } catch (const mpm::Failure& stop) {
-    measured.note = stop.what();
-    return measured;
-  }
+  measured.note = run_to_end(simulation, file);
+  if (!measured.note.empty()) return measured;
   const mpm::Particles<2>& particles = simulation.particles();
   double inner = 1e300, outer = 0;
   for (const auto& X : particles.X) {

@@ -7,7 +7,6 @@
 
 #include "measure.hpp"
 #include "programs/common/text.hpp"
-#include "recon/runs/run.hpp"
 
 namespace recon::program {
 namespace {
@@ -47,20 +46,13 @@ BendingRun simulate(const Request& request, const std::vector<std::string>& sett
   BendingRun run;
   run.end = file.problem.time.end;
   std::optional<mpm::Ledger> start;
-  try {
-    mpm::run_until<2>(
-        simulation, run.end,
-        [&] {
-          run.ledger.emplace_back();
-          run.ledger.back().time = simulation.time();
-          if (watch.accounts) run.ledger.back() = mpm::account(simulation, start);
-          if (!start) start = run.ledger.front();
-          if (watch.value) run.watched.push_back(watch.value(simulation));
-        },
-        file.limits);
-  } catch (const mpm::Failure& stop) {
-    run.failure = stop.what();
-  }
+  run.failure = run_to_end(simulation, file, [&] {
+    run.ledger.emplace_back();
+    run.ledger.back().time = simulation.time();
+    if (watch.accounts) run.ledger.back() = mpm::account(simulation, start);
+    if (!start) start = run.ledger.front();
+    if (watch.value) run.watched.push_back(watch.value(simulation));
+  });
   run.particles = simulation.particles();
   return run;
 }
@@ -73,7 +65,7 @@ std::string with_half_step(const Request& request, const std::vector<std::string
   const auto change = watch.change;
   watch.change = [change](BendingProblem& problem) {
     if (change) change(problem);
-    problem.time.step /= 2;
+    shorten_step(problem, 2);
   };
   return simulate(request, settings, watch).failure;
 }

@@ -1,10 +1,8 @@
 // Errors against exact solutions on one grid, at T/4, 3T/8 and T; and how runs end.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "measure.hpp"
-#include "recon/runs/run.hpp"
 #include "recon/studies/convergence.hpp"
 
 namespace recon::program {
@@ -30,35 +28,14 @@ Measured convergence(const Request& request) {
   return measured;
 }
 
-// Half of the step that the problem's rule gives.
-template <int D>
-void halve(mpm::Problem<D>& problem, double by = 2) {
-  problem.time.step /= by;
-  problem.time.courant = problem.time.courant.value_or(problem.method.default_courant(D)) / by;
-}
-
-// The part of its time that a run comes to, and why it stops.
-template <int D>
-std::pair<double, std::string> run_to_end(const mpm::ProblemFile<D>& file) {
-  mpm::Simulation<D> simulation(file.problem);
-  try {
-    mpm::run_until(simulation, file.problem.time.end, {}, file.limits);
-  } catch (const mpm::Failure& stop) {
-    return {simulation.time() / file.problem.time.end, stop.what()};
-  }
-  return {1, ""};
-}
-
 Measured breaks(const Request& request) {
   Measured measured;
   std::visit(
-      [&](auto file) {
-        double reached = 0;
-        std::tie(reached, measured.note) = run_to_end(file);
-        add_fate(measured, reached, [&] {
-          halve(file.problem);
-          return run_to_end(file).second;
-        });
+      [&](const auto& file) {
+        mpm::Simulation simulation(file.problem);
+        measured.note = run_to_end(simulation, file);
+        add_fate(measured, measured.note.empty() ? 1 : simulation.time() / file.problem.time.end,
+                 [&] { return run_with_half_step(file); });
       },
       request.load());
   return measured;
@@ -68,7 +45,7 @@ Measured breaks(const Request& request) {
 // that are shorter by some factor.
 template <int D>
 std::vector<std::vector<mpm::Vector<D>>> states(mpm::ProblemFile<D> file, double shorter) {
-  halve(file.problem, shorter);
+  shorten_step(file.problem, shorter);
   mpm::Simulation<D> simulation(file.problem);
   std::vector<std::vector<mpm::Vector<D>>> all;
   for (const double part : {0.25, 1.0}) {

@@ -5,7 +5,6 @@
 #include "measure.hpp"
 #include "recon/core/error.hpp"
 #include "recon/operators/reconstruct.hpp"
-#include "recon/runs/run.hpp"
 
 namespace recon::program {
 namespace {
@@ -159,19 +158,13 @@ Measured probes(const Request& request) {
         for (const Probe& probe : request.study.probes) gauges.emplace_back(probe, simulation);
         const bool account = std::any_of(gauges.begin(), gauges.end(),
                                          [](const auto& each) { return each.needs_account(); });
-        try {
-          mpm::run_until<D>(
-              simulation, file.problem.time.end,
-              [&] {
-                const mpm::Ledger now = account ? mpm::account(simulation) : mpm::Ledger{};
-                for (Gauge<D>& each : gauges) each.read(simulation, now);
-              },
-              file.limits);
-        } catch (const mpm::Failure& stop) {
-          measured.note = stop.what();
-        }
+        measured.note = run_to_end(simulation, file, [&] {
+          const mpm::Ledger now = account ? mpm::account(simulation) : mpm::Ledger{};
+          for (Gauge<D>& each : gauges) each.read(simulation, now);
+        });
         const bool finished = measured.note.empty();
-        measured.add("part of the time", finished ? 1 : simulation.time() / file.problem.time.end);
+        add_fate(measured, finished ? 1 : simulation.time() / file.problem.time.end,
+                 [&] { return run_with_half_step(file); });
         for (std::size_t k = 0; k < gauges.size(); ++k)
           measured.add(request.study.probes[k].name, gauges[k].result(finished));
       },

@@ -12,8 +12,7 @@ namespace recon::program {
 // all that defines a run besides its method and grid: kind of study, problem file, settings. Lines
 // with another mark, or of a variant, method or grid that the study does not have, belong to an
 // older definition and are left out. A run begins with its sum, which stands for all its lines: a run
-// that has been changed since, or has lost a line, is refused. (A sum of 1 is that of runs that were
-// kept before there were sums.)
+// that has been changed since, or has lost a line, is refused.
 class ResultFile {
  public:
   // An empty folder: nothing is kept. Throws FileError for a line that cannot be read, and for a run
