@@ -32,6 +32,12 @@ void Damping::validate() const {
 }
 
 template <int D>
+bool Boundary<D>::is_on_nodes(const Grid<D>& grid) const {
+  const double plane = (at - grid.lower()[axis]) / grid.h(), nearest = std::round(plane);
+  return std::abs(plane - nearest) < 1e-6 && nearest >= 0 && nearest <= grid.cells(axis);
+}
+
+template <int D>
 int Boundary<D>::face(const Grid<D>& grid) const {
   const auto plane = std::lround((at - grid.lower()[axis]) / grid.h());
   return plane == 0 ? -1 : plane == grid.cells(axis) ? 1 : 0;
@@ -84,10 +90,7 @@ template <int D>
 void Boundary<D>::validate(const Grid<D>& grid) const {
   require(axis >= 0 && axis < D, "axis of a boundary", axis, "must be an axis of the grid");
   if (images) return validate_images(*this, grid);
-  const double plane = (at - grid.lower()[axis]) / grid.h();
-  require(
-      std::abs(plane - std::round(plane)) < 1e-6 && plane > -0.5 && plane < grid.cells(axis) + 0.5,
-      "place of a boundary", at, "must be a plane of nodes of the grid");
+  require(is_on_nodes(grid), "place of a boundary", at, "must be a plane of nodes of the grid");
   for (const auto& value : velocity)
     require(!value || value->varies() || std::isfinite((*value)({}, 0)), "velocity of a boundary",
             value && !value->varies() ? (*value)({}, 0) : 0, "must be finite");

@@ -157,10 +157,9 @@ void read_boundaries(ProblemReader<D>& reader) {
     if (table.has("to")) boundary.to = reader.vector(table, "to");
     // Between the nodes no node can be held.
     const Grid<D>& grid = reader.problem().grid;
-    const double plane = (boundary.at - grid.lower()[boundary.axis]) / grid.h();
-    const bool between = kind != "velocity" && plane > 0 && plane < grid.cells(boundary.axis) &&
-                         std::abs(plane - std::round(plane)) >= 1e-6;
-    boundary.images = table.boolean("images", between);
+    const bool between = boundary.at > grid.lower()[boundary.axis] &&
+                         boundary.at < grid.upper()[boundary.axis] && !boundary.is_on_nodes(grid);
+    boundary.images = table.boolean("images", between && kind != "velocity");
     if (boundary.images) boundary.symmetry = false;
     table.finish();
     checked(table, "at", [&] { boundary.validate(reader.problem().grid); });

@@ -423,6 +423,29 @@ TEST_F(MpmFiles, AForecastIsTrue) {
   EXPECT_THAT(forecast(file.problem).warnings[0], HasSubstr("damping.mass times the first step"));
 }
 
+// Images count in it: they are copies of particles, and fits see them once more.
+TEST_F(MpmFiles, AForecastKnowsOfImages) {
+  for (const char* method : {"cpdi1", "cpls"}) {
+    ASSERT_EQ(message(with("\"cpls\"", "\"" + std::string(method) + "\"")), "");
+    auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+    Problem<2>& problem = file.problem;
+    problem.grid = Grid<2>({-0.5, 0}, {1, 1}, 0.1);
+    problem.boundaries.clear();
+    const double none = forecast(problem).memory;
+    Boundary<2> mirror;
+    mirror.images = true;
+    mirror.velocity[0] = 0.0;
+    problem.boundaries = {mirror};
+    std::size_t images = 0;  // of particles within four cells
+    for (const Vector<2>& x : problem.particles.x) images += x[0] <= 4 * 0.1 ? 1 : 0;
+    ASSERT_GT(images, 3u);
+    const double each = (forecast(problem).memory - none) / static_cast<double>(images);
+    const double particle = bytes_of_particle<2>(problem.kept());
+    EXPECT_GE(each, particle + sizeof(Image<2>)) << method;
+    EXPECT_LE(each, 4 * particle) << method;
+  }
+}
+
 // The step from the largest stable one of the method in use.
 TEST_F(MpmFiles, AStepFromTheMeasuredLimit) {
   for (const char* method : {"cpls", "bspline2", "fmpm", "cpdi1+mass=consistent"}) {

@@ -235,6 +235,39 @@ TEST_F(MpmRest, SlowAColumnInThePlaneCarriesItsWeight) {
   expect_hydrostatic<2>(folder_);
 }
 
+// A column of the small-strain material at rest has the displacement and the energy of a linear bar,
+//     u = -(density g / M) (L X - X^2 / 2) ,   U = width (density g)^2 L^3 / (6 M) ,
+// with M = lambda + 2 mu, both to the squares of strains (0.2 %), to what linear functions leave of
+// a parabola in a cell, and to the tolerance of rest: 1 % of the largest.
+template <int D>
+void expect_linear_column(const std::string& method, const std::filesystem::path& folder) {
+  std::string text = column(D, method,
+                            "[damping]\nlocal = 0.3\n[time]\nuntil = \"rest\"\nend = 60\n"
+                            "[output]\nframes = 0\nledger = false\n");
+  text.replace(text.find("[material]"), 10, "[material]\nkind = \"small_strain\"");
+  const std::string settings[] = {"material.density=1"};
+  const auto file = std::get<ProblemFile<D>>(read_problem_text(text, "p.toml", settings));
+  ASSERT_TRUE(std::holds_alternative<SmallStrain>(file.problem.materials[0]));
+  const RunResult result = run(file, {.folder = folder});
+  ASSERT_TRUE(result.rest->reached) << method;
+  Simulation<D> at_rest(file.problem);
+  read_checkpoint(folder / "checkpoint.h5", at_rest, file.formulas);
+  constexpr double L = 20, weight = 10, M = 1.2e5, most = weight * L * L / (2 * M);
+  const Particles<D>& particles = at_rest.particles();
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const double X = particles.X[p][D - 1];
+    EXPECT_NEAR(particles.x[p][D - 1] - X, -weight / M * (L * X - X * X / 2), 0.01 * most)
+        << method << " " << p;
+  }
+  const double energy = (D == 1 ? 1 : 2) * weight * weight * L * L * L / (6 * M);
+  EXPECT_NEAR(result.last.strain, energy, 0.01 * energy) << method;
+}
+TEST_F(MpmRest, ASmallStrainColumnIsALinearOne) {
+  for (const char* method : {"mpm", "cpdi1", "bspline2", "cpls"})
+    expect_linear_column<1>(method, folder_ / method);
+  expect_linear_column<2>("cpdi1", folder_ / "plane");
+}
+
 // The account of the soft cantilever that falls closes where strains are those of velocities that
 // particles keep, and what affine velocities leave is small; 1 % of the largest energy.
 TEST_F(MpmRest, TheBalanceOfACantileverCloses) {

@@ -84,6 +84,8 @@ struct Boundary {
       if (d != axis && !(x[d] >= from[d] - margin && x[d] <= to[d] + margin)) return false;
     return true;
   }
+  // Whether it is a plane of nodes of the grid, to a millionth of a cell.
+  bool is_on_nodes(const Grid<D>& grid) const;
   // Whether it is the lower (-1) or upper (1) face of the grid, or neither (0).
   int face(const Grid<D>& grid) const;
 
