@@ -158,7 +158,7 @@ void read_boundaries(ProblemReader<D>& reader) {
     // Between the nodes no node can be held.
     const Grid<D>& grid = reader.problem().grid;
     const bool between = boundary.at > grid.lower()[boundary.axis] &&
-                         boundary.at < grid.upper()[boundary.axis] && !boundary.is_on_nodes(grid);
+                         boundary.at < grid.upper(boundary.axis) && !boundary.is_on_nodes(grid);
     boundary.images = table.boolean("images", between && kind != "velocity");
     if (boundary.images) boundary.symmetry = false;
     table.finish();
