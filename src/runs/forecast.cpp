@@ -158,6 +158,15 @@ double bytes_of_particle(const Kept& kept) {
 
 namespace {
 
+// Points that see through linear functions, and boxes that keep their size: beside a mirror between
+// nodes what they take is not the transpose of what they give (docs/mpm.md).
+bool gains_between_nodes(const Method& method) {
+  if (method.quadrature != Quadrature::particles) return false;
+  return method.domain == Domain::ugimp ||
+         (method.domain == Domain::point &&
+          (method.basis == Basis::linear || method.basis == Basis::cell_linear));
+}
+
 template <int D>
 Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles, double time) {
   Forecast found;
@@ -184,6 +193,16 @@ Forecast forecast_from(const Problem<D>& problem, const Particles<D>& particles,
   if (const double slowed = problem.damping.mass * found.step.dt; slowed > 1)
     found.warnings.push_back("damping.mass times the first step, " + number(slowed) +
                              ", is above 1: damping reverses velocities");
+  if (gains_between_nodes(problem.method))
+    for (const Boundary<D>& each : problem.boundaries)
+      if (each.images && !each.is_on_nodes(problem.grid)) {
+        found.warnings.push_back("the wall at " + std::string(1, "xyz"[each.axis]) + " = " +
+                                 number(each.at) + " lies between nodes: with the method " +
+                                 problem.method.name +
+                                 " energy may grow there; let it lie on nodes, or take a method "
+                                 "whose domains follow their material, as cpdi1");
+        break;
+      }
   const std::string broken = caveat(problem.method);
   if (!broken.empty() && (is_element(problem.method.basis) || has_empty_cells(problem, particles)))
     found.warnings.push_back(broken);

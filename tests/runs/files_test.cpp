@@ -446,6 +446,28 @@ TEST_F(MpmFiles, AForecastKnowsOfImages) {
   }
 }
 
+// What docs/mpm.md has measured of energy between walls with images.
+TEST_F(MpmFiles, AForecastWarnsOfWallsBetweenNodes) {
+  for (const auto& [method, warned] : std::vector<std::pair<const char*, bool>>{
+           {"mpm", true}, {"ugimp", true}, {"cpdi1", false}, {"bspline2", false}}) {
+    ASSERT_EQ(message(with("\"cpls\"", "\"" + std::string(method) + "\"")), "");
+    auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
+    Problem<2>& problem = file.problem;
+    problem.boundaries.resize(1);
+    problem.boundaries[0] = {};
+    problem.boundaries[0].images = true;
+    problem.boundaries[0].velocity[0] = 0.0;
+    for (const double lower : {-0.5, -0.53}) {
+      problem.grid = Grid<2>({lower, 0}, {lower + 1.5, 1}, 0.1);
+      const auto warnings = forecast(problem).warnings;
+      const bool found = std::any_of(warnings.begin(), warnings.end(), [](const std::string& each) {
+        return each.find("the wall at x = 0 lies between nodes") != std::string::npos;
+      });
+      EXPECT_EQ(found, warned && lower == -0.53) << method;
+    }
+  }
+}
+
 // The step from the largest stable one of the method in use.
 TEST_F(MpmFiles, AStepFromTheMeasuredLimit) {
   for (const char* method : {"cpls", "bspline2", "fmpm", "cpdi1+mass=consistent"}) {
