@@ -3,12 +3,20 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "recon/runs/simulation.hpp"
 #include "support/space.hpp"
+
+namespace recon::mpm {
+
+// What names of tests say of a method.
+inline void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
+
+}  // namespace recon::mpm
 
 namespace recon::mpm::test {
 
