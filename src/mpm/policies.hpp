@@ -262,12 +262,21 @@ void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, co
                   });
 }
 
+// How far the domain of a particle reaches from its centre along an axis; 0 for points.
+template <int D>
+double reach_of(const Method& method, const Particles<D>& particles, std::size_t p, int axis) {
+  if (method.domain == Domain::point) return 0;
+  const Matrix<D>& H = particles.half_edges[p];
+  if (method.domain == Domain::ugimp) return H.row(axis).cwiseAbs().sum();
+  return (particles.F[p] * H).row(axis).cwiseAbs().sum();
+}
+
 // Calls each(image, its number) for the images of particle p, which is at x, in mirrors, as far as
-// two cells beyond them; returns how many there are. A particle takes the mean of what it
-// and these see, as an image has it: nodes on both sides of a plane between them are no images of
-// each other, and what a particle takes is then the transpose of what it and its image give.
-// Without that disturbances beside a wall grow. None for splines, which at images see nodes so far
-// beyond the mirror that these lack images of their own.
+// these and their domains lie within two cells of the mirrors; returns how many there are. A
+// particle takes the mean of what it and these see, as an image has it: nodes on both sides of a
+// plane between them are no images of each other, and what a particle takes is then the transpose
+// of what it and its image give. Without that disturbances beside a wall grow. Farther beyond the
+// mirror nodes lack images of their own; so they do for splines at any image.
 template <int D, class Each>
 int for_mirrors(const Problem<D>& problem, const Nodes<D>& nodes, const Vector<D>& x, std::size_t p,
                 const Each& each) {
@@ -277,8 +286,10 @@ int for_mirrors(const Problem<D>& problem, const Nodes<D>& nodes, const Vector<D
   for (std::size_t i = first; i < last; ++i) {
     const Image<D>& image = nodes.images.of[i];
     bool near = image.mirrored != 0;
-    for (int d = 0; d < D; ++d)
-      near = near && std::abs(image.x[d] - x[d]) <= image_cells * problem.grid.h();
+    for (int d = 0; d < D && near; ++d)
+      near = std::abs(image.x[d] - x[d]) / 2 +
+                 reach_of(problem.method, nodes.images.particles, i, d) <=
+             2 * problem.grid.h();
     if (!near) continue;
     each(image, i);
     ++count;

@@ -158,11 +158,11 @@ double bytes_of_particle(const Kept& kept) {
 
 namespace {
 
-// Points that see through linear functions, and boxes that keep their size: beside a mirror between
+// Points that see through linear functions, and powers of the mass matrix: beside a mirror between
 // nodes what they take is not the transpose of what they give (docs/mpm.md).
 bool gains_between_nodes(const Method& method) {
   if (method.quadrature != Quadrature::particles) return false;
-  return method.domain == Domain::ugimp ||
+  return method.update == Update::fmpm ||
          (method.domain == Domain::point &&
           (method.basis == Basis::linear || method.basis == Basis::cell_linear));
 }

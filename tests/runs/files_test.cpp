@@ -448,8 +448,12 @@ TEST_F(MpmFiles, AForecastKnowsOfImages) {
 
 // What docs/mpm.md has measured of energy between walls with images.
 TEST_F(MpmFiles, AForecastWarnsOfWallsBetweenNodes) {
-  for (const auto& [method, warned] : std::vector<std::pair<const char*, bool>>{
-           {"mpm", true}, {"ugimp", true}, {"cpdi1", false}, {"bspline2", false}}) {
+  for (const auto& [method, warned] :
+       std::vector<std::pair<const char*, bool>>{{"mpm", true},
+                                                 {"fmpm", true},
+                                                 {"ugimp", false},
+                                                 {"cpdi1", false},
+                                                 {"bspline2", false}}) {
     ASSERT_EQ(message(with("\"cpls\"", "\"" + std::string(method) + "\"")), "");
     auto file = std::get<ProblemFile<2>>(read_problem(folder_ / "p.toml"));
     Problem<2>& problem = file.problem;
