@@ -130,12 +130,13 @@ TEST(SlowConvergence, AQuarterOfARingOfEveryMethod) {
   EXPECT_GE(of_second_order, 5 * 3);  // five methods, and three fields of each
 }
 // With images beyond these planes a quarter is the ring itself: domains, splines and fits see what
-// they see there, whatever the method.
-TEST(SlowConvergence, AQuarterOfARingWithImagesIsTheRing) {
+// they see there. Not wls, in which any rounding grows, and bspline_mls to what fits in cells lack
+// that lie two beyond the plane: they reach farther than images.
+TEST(Convergence, AQuarterOfARingWithImagesIsTheRing) {
   ConvergenceStudy asked{{}, {20}, {0.25}};
   for (const Method& method : methods())
     if (!is_element(method.basis) && method.degree < 3 &&
-        method.velocity != VelocityMap::polynomial)
+        method.velocity != VelocityMap::polynomial && method.name != "wls")
       asked.methods.push_back(method.name);
   const auto mirrored = converge(
       [&](std::span<const std::string> settings) -> AnyProblem {
@@ -157,7 +158,8 @@ TEST(SlowConvergence, AQuarterOfARingWithImagesIsTheRing) {
   for (std::size_t i = 0; i < full.size(); ++i) {
     if (full[i].norm != "rms" || full[i].field == "grid_velocity") continue;
     EXPECT_EQ(mirrored[i].failure.empty(), full[i].failure.empty()) << full[i].method;
-    EXPECT_NEAR(mirrored[i].error, full[i].error, 1e-6 * full[i].error)
+    const double bound = full[i].method == "bspline_mls" ? 1e-4 : 1e-6;
+    EXPECT_NEAR(mirrored[i].error, full[i].error, bound * full[i].error)
         << full[i].method << " " << full[i].field;
   }
 }
