@@ -58,27 +58,30 @@ void ImagePolicy<D>::make(const State<D>& s, const std::vector<Vector<D>>& b,
 template <int D>
 void ImagePolicy<D>::share(const State<D>& s, Nodes<D>& nodes) const {
   nodes.share.clear();
-  if (images_.empty()) return;
+  if (images_.empty() && s.others == 0) return;
   const Problem<D>& problem = this->problem_;
-  const auto mass_of = [&](const Particles<D>& particles) {
+  const auto mass_of = [&](const Particles<D>& particles, std::size_t begin, std::size_t end) {
     std::vector<double> mass(nodes.mass.size());
     with_shape(problem.method, [&](auto shape_of) {
       using Seen = typename decltype(shape_of)::template Nodes<D>;
       const auto rows = [&](std::size_t p) {
-        return shape_of.nodes_along(problem.grid, particles, p, D - 1);
+        return shape_of.nodes_along(problem.grid, particles, begin + p, D - 1);
       };
-      scatter_by_rows<Seen>(particles.size(), problem.threads, rows,
-                            [&](std::size_t p, Seen& shape) {
-                              shape_of.shape(problem.grid, particles, p, shape);
-                              shape.add(mass, particles.mass[p], trusted);
-                            });
+      scatter_by_rows<Seen>(end - begin, problem.threads, rows, [&](std::size_t p, Seen& shape) {
+        shape_of.shape(problem.grid, particles, begin + p, shape);
+        shape.add(mass, particles.mass[begin + p], trusted);
+      });
     });
     return mass;
   };
-  nodes.share = mass_of(s.particles);
-  const std::vector<double> images = mass_of(nodes.images.particles);
-  for (std::size_t i = 0; i < images.size(); ++i)
-    nodes.share[i] = images[i] == 0 ? 1 : nodes.share[i] / (nodes.share[i] + images[i]);
+  nodes.share = mass_of(s.particles, 0, s.own());
+  std::vector<double> more = mass_of(nodes.images.particles, 0, nodes.images.of.size());
+  if (s.others > 0) {
+    const std::vector<double> others = mass_of(s.particles, s.own(), s.particles.size());
+    for (std::size_t i = 0; i < more.size(); ++i) more[i] += others[i];
+  }
+  for (std::size_t i = 0; i < more.size(); ++i)
+    nodes.share[i] = more[i] == 0 ? 1 : nodes.share[i] / (nodes.share[i] + more[i]);
 }
 
 template class ImagePolicy<1>;

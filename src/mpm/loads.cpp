@@ -47,7 +47,8 @@ void LoadPolicy<D>::body_force(const State<D>& s, std::vector<Vector<D>>& out) c
 }
 
 template <int D>
-void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
+void LoadPolicy<D>::to_nodes(const State<D>& s, const OtherParts<D>* others, std::size_t count,
+                             Nodes<D>& nodes) const {
   const Problem<D>& problem = this->problem_;
   if (problem.loads.empty()) return;
   with_shape(problem.method, [&](auto shape_of) {
@@ -84,7 +85,7 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
         add(k, parts.empty() ? shape.S[k] + shape.G[k].dot(d) : parts[k]);
     };
     const ImageParticles<D>& images = nodes.images;
-    for (const Load<D>& load : problem.loads) {
+    const auto add_all = [&](const Load<D>& load) {
       const LoadedPlace<D> place = place_of(load, s.particles);
       const Vector<D> force = load.force(place, s.time);
       act(load, s.particles, load.particle, place.x, force);
@@ -94,6 +95,17 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, Nodes<D>& nodes) const {
         act(load, images.particles, i,
             image.x + image.offset(place.x - s.particles.x[load.particle]), image.vector(force));
       }
+    };
+    for (const Load<D>& load : problem.loads) {
+      if (!others) {
+        add_all(load);
+        continue;
+      }
+      const std::optional<std::size_t> here = others->place_of(load.particle);
+      if (!here || *here >= count) continue;
+      Load<D> of_here = load;
+      of_here.particle = *here;
+      add_all(of_here);
     }
   });
 }

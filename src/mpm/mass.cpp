@@ -89,7 +89,7 @@ void MassPolicy<D>::watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) 
   const bool first = signs.of_nodes.empty();
   signs.of_nodes.resize(nodes.mass.size());
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
-    const double mass = nodes.mass[i];
+    const double mass = nodes.is_known(i) ? nodes.mass[i] : 0;
     const auto sign = static_cast<signed char>(mass > lightest ? 1 : mass < -lightest ? -1 : 0);
     const NegativeMass found{step, i, mass};
     if (!first && sign * signs.of_nodes[i] < 0 && !signs.change) signs.change = found;

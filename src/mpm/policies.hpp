@@ -63,7 +63,7 @@ class MapPolicy : public Policy<D> {
   void to_nodes(const State<D>& s, const std::vector<Vector<D>>& b, const FromParticles& from,
                 Nodes<D>& nodes) const;
   // v_i of the map, where they are p_i / m_i before; with the method's correction of momentum.
-  void velocities(const State<D>& s, Nodes<D>& nodes) const;
+  void velocities(const State<D>& s, OtherParts<D>* parts, Nodes<D>& nodes) const;
 
  protected:
   // Replaces v_i of the nodes with mass.
@@ -177,8 +177,9 @@ class LoadPolicy : public Policy<D> {
   using Policy<D>::Policy;
   // The body force per mass of each particle; empty: none.
   void body_force(const State<D>& s, std::vector<Vector<D>>& out) const;
-  // Adds the loads on single particles to the forces of the nodes.
-  void to_nodes(const State<D>& s, Nodes<D>& nodes) const;
+  // Adds the loads on single particles, of the first `count` ones, to the forces of the nodes.
+  void to_nodes(const State<D>& s, const OtherParts<D>* parts, std::size_t count,
+                Nodes<D>& nodes) const;
 };
 
 // F <- (I + dt L) F, stress, energy and history of a block of particles with the velocity gradients
@@ -244,13 +245,14 @@ double functions_of(const Problem<D>& problem, const Particles<D>& particles, co
   return volume;
 }
 
-// Calls each(p, shape, scratch) for all particles, with the functions that they see the grid by and
-// one Scratch for each block of them, and done(begin, end) after each block.
+// Calls each(p, shape, scratch) for all own particles, with the functions that they see the grid by
+// and one Scratch for each block of them, and done(begin, end) after each block.
 template <class Scratch, int D, class Shape, class Each, class Done>
-void for_each_shape(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>& nodes,
+void for_each_shape(const Problem<D>& problem, const State<D>& s, const Nodes<D>& nodes,
                     const Shape& shape_of, const Each& each, const Done& done) {
+  const Particles<D>& particles = s.particles;
   // Flattened: with so many shapes the compiler runs out of what it inlines.
-  parallel_blocks(particles.size(), particles_per_block, problem.threads,
+  parallel_blocks(s.own(), particles_per_block, problem.threads,
                   [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
                     typename Shape::template Nodes<D> shape;
                     Scratch scratch;

@@ -17,7 +17,7 @@ class RungeKutta : public UpdatePolicy<D> {
     for (int stage = 0; stage < stages; ++stage) {
       const bool last = stage + 1 == stages;
       step.policies().boundaries.drive(start.time, start.time + dt, step.changeable_nodes());
-      rates_of(step.nodes(), s.particles, weight[stage] / 6, rates, sum);
+      rates_of(step.nodes(), s, weight[stage] / 6, rates, sum);
       s.particles = start.particles;
       advance(step, last ? sum : rates, last ? dt : part[stage] * dt, s);
       if (last) break;
@@ -41,8 +41,9 @@ class RungeKutta : public UpdatePolicy<D> {
   };
 
   // And adds `weight` times the rates to their sum.
-  void rates_of(const Nodes<D>& nodes, const Particles<D>& particles, double weight,
-                std::vector<Rates>& rates, std::vector<Rates>& sum) const {
+  void rates_of(const Nodes<D>& nodes, const State<D>& s, double weight, std::vector<Rates>& rates,
+                std::vector<Rates>& sum) const {
+    const Particles<D>& particles = s.particles;
     with_shape(this->problem_.method, [&](auto shape_of) {
       using Seen = typename decltype(shape_of)::template Nodes<D>;
       const auto each = [&](std::size_t p, const auto& shape, Seen& at) {
@@ -64,7 +65,7 @@ class RungeKutta : public UpdatePolicy<D> {
         rates[p].F = rates[p].L * particles.F[p];
         sum[p].add(weight, rates[p]);
       };
-      for_each_shape<Seen>(this->problem_, particles, nodes, shape_of, each,
+      for_each_shape<Seen>(this->problem_, s, nodes, shape_of, each,
                            [](std::size_t, std::size_t) {});
     });
   }
@@ -72,7 +73,7 @@ class RungeKutta : public UpdatePolicy<D> {
   // From the state at the beginning of the step.
   void advance(const Step<D>& step, const std::vector<Rates>& rates, double dt, State<D>& s) const {
     Particles<D>& particles = s.particles;
-    parallel_blocks(particles.size(), particles_per_block, this->problem_.threads,
+    parallel_blocks(s.own(), particles_per_block, this->problem_.threads,
                     [&](std::size_t begin, std::size_t end) {
                       for (std::size_t p = begin; p < end; ++p) {
                         particles.L[p] = rates[p].L;

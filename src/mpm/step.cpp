@@ -11,19 +11,21 @@ void Step<D>::operator()(State<D>& s, double dt) {
 }
 
 template <int D>
-void Step<D>::to_nodes(const State<D>& s) {
+void Step<D>::to_nodes(State<D>& s) {
   const auto& [quadrature, map, mass, boundaries, loads, damping, images, update] = *policies_;
+  if (parts_) parts_->copy_to(s);
   nodes_.clear(problem_->grid.size(), problem_->method.has_light_nodes());
   loads.body_force(s, body_force_);
   images.make(s, body_force_, nodes_);
   // 1  particles to nodes: m_i, f_i and p_i by the quadrature, v_i = p_i / m_i or a fit
   const FromParticles from = quadrature->over_cells(s, body_force_, cells_, nodes_);
   map->to_nodes(s, body_force_, from, nodes_);
-  loads.to_nodes(s, nodes_);
+  loads.to_nodes(s, parts_, s.particles.size(), nodes_);
   images.share(s, nodes_);
+  if (parts_) nodes_.heaviest_of_parts = parts_->largest(nodes_.heaviest_known());
   mass->watch(s.steps, nodes_, signs_);
   mass->accelerate(s, from, boundaries, nodes_);  // 2  a_i = f_i / m_i + g
-  map->velocities(s, nodes_);
+  map->velocities(s, parts_, nodes_);
   damping.slow(boundaries, nodes_);
   nodes_.velocity = nodes_.mapped;
   boundaries.hold(s.time, problem_->method.velocity_lag(s.last_dt), nodes_);
@@ -35,9 +37,10 @@ void Step<D>::to_particles(State<D>& s, double dt) {
 }  // 4  the grid is forgotten
 
 template <int D>
-Step<D>::Step(Problem<D> problem, std::size_t particles) {
+Step<D>::Step(Problem<D> problem, std::size_t particles, OtherParts<D>* parts) : parts_(parts) {
   constexpr std::size_t fewest_for_threads = 2000;  // fewer are done before threads have started
   problem.method.validate(D);
+  if (parts) require_parts(problem);
   if (particles < fewest_for_threads) problem.threads = 1;
   problem.particles = {};
   problem_ = std::make_shared<const Problem<D>>(std::move(problem));
@@ -49,7 +52,7 @@ std::vector<Vector<D>> Step<D>::load_forces(const State<D>& s) const {
   if (problem_->loads.empty()) return {};
   Nodes<D> loaded;
   loaded.clear(problem_->grid.size(), false);
-  policies_->loads.to_nodes(s, loaded);
+  policies_->loads.to_nodes(s, parts_, s.own(), loaded);
   return std::move(loaded.force);
 }
 

@@ -103,7 +103,7 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
     particles.x[p] += dt * seen.v;
     shape_of.move(particles, p, velocity_at, dt);
   };
-  for_each_shape<Scratch>(problem, particles, nodes, shape_of, each,
+  for_each_shape<Scratch>(problem, s, nodes, shape_of, each,
                           [&](std::size_t begin, std::size_t end) {
                             if (parts.strain) strain(problem, begin, end, dt, s);
                             if (parts.position) policies.boundaries.keep_inside(begin, end, s);
@@ -215,10 +215,19 @@ class Filtered : public SingleMap<D> {
     const Particles<D>& particles = s.particles;
     const std::vector<double>& mass = step.nodes().mass;
     std::vector<Vector<D>> left = velocity, back(velocity.size());
+    std::vector<Vector<D>> of_all;  // what particles see of `left`, where copies do not see all
     for (int j = 1; j < problem.method.order; ++j) {
       std::fill(back.begin(), back.end(), Vector<D>::Zero());
       with_shape(problem.method, [&](auto shape_of) {
         using Seen = typename decltype(shape_of)::template Nodes<D>;
+        if (step.parts()) {
+          of_all.assign(particles.size(), Vector<D>::Zero());
+          for_each_shape<Seen>(
+              problem, s, step.nodes(), shape_of,
+              [&](std::size_t p, const Seen& at, Seen&) { of_all[p] = at.value(left, trusted); },
+              [](std::size_t, std::size_t) {});
+          step.parts()->copy_to(s, of_all);
+        }
         // Adds what `of` see, by seen(p, their functions).
         const auto give_back = [&](const Particles<D>& of, const auto& seen) {
           const auto rows = [&](std::size_t p) {
@@ -231,10 +240,13 @@ class Filtered : public SingleMap<D> {
               back[shape.node[k]] += shape.S[k] * of.mass[p] * v;
           });
         };
-        give_back(particles, [&](std::size_t, const Seen& at) { return at.value(left, trusted); });
+        give_back(particles, [&](std::size_t p, const Seen& at) {
+          return of_all.empty() ? at.value(left, trusted) : of_all[p];
+        });
         const ImageParticles<D>& images = step.nodes().images;
         if (images.of.empty()) return;
         give_back(images.particles, [&](std::size_t i, const Seen&) {
+          if (!of_all.empty()) return images.of[i].vector(of_all[images.of[i].of]);
           Seen at;
           shape_of.shape(problem.grid, particles, images.of[i].of, at);
           return images.of[i].vector(at.value(left, trusted));

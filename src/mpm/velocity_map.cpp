@@ -120,7 +120,7 @@ void accept(const FitReports& report, const Value& value, Nodes<D>& nodes) {
     const std::uint32_t i = nodes.fit_nodes[t];
     if (!(nodes.mass[i] > 0)) continue;
     if (report[t].status == FitStatus::no_support)
-      ++nodes.unfitted;
+      nodes.unfitted += nodes.is_known(i) ? 1 : 0;
     else
       nodes.mapped[i] = value(t);
   }
@@ -222,17 +222,25 @@ void MapPolicy<D>::to_nodes(const State<D>& s, const std::vector<Vector<D>>& b,
 }
 
 template <int D>
-void MapPolicy<D>::velocities(const State<D>& s, Nodes<D>& nodes) const {
+void MapPolicy<D>::velocities(const State<D>& s, OtherParts<D>* parts, Nodes<D>& nodes) const {
   fit(s, nodes);
   const Method& method = this->problem_.method;
   if (!method.momentum_correction || method.keeps_momentum()) return;
   const Particles<D>& particles = s.particles;
   Vector<D> missing = Vector<D>::Zero();
   double mass = 0;
-  for (std::size_t p = 0; p < particles.size(); ++p) missing += particles.mass[p] * particles.v[p];
+  for (std::size_t p = 0; p < s.own(); ++p) missing += particles.mass[p] * particles.v[p];
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
     missing -= nodes.share_of(i) * nodes.mass[i] * nodes.mapped[i];
     mass += nodes.share_of(i) * nodes.mass[i];
+  }
+  if (parts) {
+    std::array<double, D + 1> sums{};
+    for (int d = 0; d < D; ++d) sums[static_cast<std::size_t>(d)] = missing[d];
+    sums[D] = mass;
+    parts->sum(sums);
+    for (int d = 0; d < D; ++d) missing[d] = sums[static_cast<std::size_t>(d)];
+    mass = sums[D];
   }
   for (std::size_t i = 0; i < nodes.mass.size(); ++i)
     if (nodes.mass[i] != 0) nodes.mapped[i] += missing / mass;

@@ -10,13 +10,13 @@ namespace {
 
 // Gravity, body force and loads at a time, sums of absolute values.
 template <int D>
-double applied(const Problem<D>& problem, const Particles<D>& particles,
+double applied(const Problem<D>& problem, const State<D>& s,
                const std::vector<Vector<D>>& body_force, const std::vector<Vector<D>>& loads) {
   double sum = 0;
-  for (std::size_t p = 0; p < particles.size(); ++p) {
+  for (std::size_t p = 0; p < s.own(); ++p) {
     Vector<D> b = problem.gravity;
     if (!body_force.empty()) b += body_force[p];
-    sum += particles.mass[p] * b.template lpNorm<1>();
+    sum += s.particles.mass[p] * b.template lpNorm<1>();
   }
   for (const Vector<D>& load : loads) sum += load.template lpNorm<1>();
   return sum;
@@ -56,13 +56,17 @@ template <int D>
 ExternalForces<D> external_forces(const Simulation<D>& simulation) {
   recon::detail::require(simulation.mapped(), "external forces", "of nodes of another time",
                          "need a map() before");
-  const Problem<D>& problem = simulation.problem();
-  const Nodes<D>& nodes = simulation.nodes();
-  const Step<D>& step = simulation.stepper();
-  const double half = simulation.velocity_lag();
+  return external_forces(simulation.state(), simulation.stepper());
+}
+
+template <int D>
+ExternalForces<D> external_forces(const State<D>& s, const Step<D>& step) {
+  const Problem<D>& problem = step.problem();
+  const Nodes<D>& nodes = step.nodes();
+  const double half = problem.method.velocity_lag(s.last_dt);
   const std::size_t count = nodes.mass.size();
   ExternalForces<D> out;
-  out.loads = step.load_forces(simulation.state());
+  out.loads = step.load_forces(s);
   const auto now = [&](std::size_t i) -> Vector<D> {
     return nodes.velocity[i] + half * nodes.acceleration[i];
   };
@@ -100,7 +104,7 @@ ExternalForces<D> external_forces(const Simulation<D>& simulation) {
       if (!is_held[i][static_cast<std::size_t>(d)])
         out.unbalanced += nodes.share_of(i) * std::abs(f[d]);
   }
-  out.applied = applied(problem, simulation.particles(), step.body_force(), out.loads);
+  out.applied = applied(problem, s, step.body_force(), out.loads);
   return out;
 }
 
@@ -126,6 +130,7 @@ RestMeasure rest_of(const Simulation<D>& simulation, const ExternalForces<D>& fo
 
 #define RECON_INSTANTIATE(D)                                                                   \
   template ExternalForces<D> external_forces(const Simulation<D>&);                            \
+  template ExternalForces<D> external_forces(const State<D>&, const Step<D>&);                 \
   template RestMeasure rest_of(const Simulation<D>&, const ExternalForces<D>&, double, double, \
                                double);
 RECON_INSTANTIATE(1)

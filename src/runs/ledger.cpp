@@ -45,65 +45,69 @@ Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
                const std::optional<Ledger>& start, const std::optional<Ledger>& before) {
   recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
                          "needs a map() before");
-  const Problem<D>& problem = simulation.problem();
-  const Particles<D>& particles = simulation.particles();
-  const Nodes<D>& nodes = simulation.nodes();
-  const double half = simulation.velocity_lag();
+  return account(sums_of(simulation.state(), simulation.stepper()), forces.power, start, before);
+}
+
+template <int D>
+Ledger sums_of(const State<D>& s, const Step<D>& step) {
+  const Problem<D>& problem = step.problem();
+  const Particles<D>& particles = s.particles;
+  const Nodes<D>& nodes = step.nodes();
+  const double half = problem.method.velocity_lag(s.last_dt);
 
   const VelocityMap map = problem.method.velocity;
   const std::size_t modes = mode_count(map, D);
-  const std::vector<Vector<D>>& body_force = simulation.stepper().body_force();
+  const std::vector<Vector<D>>& body_force = step.body_force();
 
   // Sums of blocks, added in their order.
-  std::vector<Ledger> blocks((particles.size() + particles_per_sum - 1) / particles_per_sum);
+  std::vector<Ledger> blocks((s.own() + particles_per_sum - 1) / particles_per_sum);
   with_shape(problem.method, [&](auto shape_of) {
-    parallel_blocks(particles.size(), particles_per_sum, problem.threads,
-                    [&](std::size_t begin, std::size_t end) {
-                      Ledger& sum = blocks[begin / particles_per_sum];
-                      typename decltype(shape_of)::template Nodes<D> shape, at;
-                      ParticleModes<D, decltype(shape_of)> of;
-                      for (std::size_t p = begin; p < end; ++p) {
-                        shape_of.shape(problem.grid, particles, p, shape);
-                        // What the particle takes from the nodes.
-                        Vector<D> velocity = shape.value(nodes.velocity, trusted);
-                        Vector<D> acceleration = shape.value(nodes.acceleration, trusted);
-                        const auto see_image = [&](const Image<D>& image, std::size_t i) {
-                          functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
-                          velocity += image.vector(at.value(nodes.velocity, trusted));
-                          acceleration += image.vector(at.value(nodes.acceleration, trusted));
-                        };
-                        const int more = for_mirrors(problem, nodes, particles.x[p], p, see_image);
-                        if (more > 0) {
-                          velocity /= 1 + more;
-                          acceleration /= 1 + more;
-                        }
-                        const double m = particles.mass[p];
-                        const Vector<D> momentum = m * particles.v[p];
-                        const Vector<D> gained = half * acceleration;
-                        const Vector<D> now = particles.v[p] + gained;
-                        Vector<D> weight = m * problem.gravity;
-                        if (!body_force.empty()) weight += m * body_force[p];
-                        sum.power += weight.dot(velocity + gained);
-                        sum.mass += m;
-                        add<D>(sum.momentum, momentum);
-                        add_angular<D>(sum.angular, particles.x[p], momentum);
-                        if (modes > 0) {
-                          fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
-                          const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
-                          for (int d = 0; d < D; ++d)
-                            add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
-                        }
-                        sum.kinetic += m * now.squaredNorm() / 2;
-                        sum.strain += particles.energy[p];
-                        sum.linear_strain +=
-                            linear_strain_energy(lame(problem.materials[particles.body[p]]),
-                                                 particles.stress[p], particles.volume(p));
-                      }
-                    });
+    parallel_blocks(
+        s.own(), particles_per_sum, problem.threads, [&](std::size_t begin, std::size_t end) {
+          Ledger& sum = blocks[begin / particles_per_sum];
+          typename decltype(shape_of)::template Nodes<D> shape, at;
+          ParticleModes<D, decltype(shape_of)> of;
+          for (std::size_t p = begin; p < end; ++p) {
+            shape_of.shape(problem.grid, particles, p, shape);
+            // What the particle takes from the nodes.
+            Vector<D> velocity = shape.value(nodes.velocity, trusted);
+            Vector<D> acceleration = shape.value(nodes.acceleration, trusted);
+            const auto see_image = [&](const Image<D>& image, std::size_t i) {
+              functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
+              velocity += image.vector(at.value(nodes.velocity, trusted));
+              acceleration += image.vector(at.value(nodes.acceleration, trusted));
+            };
+            const int more = for_mirrors(problem, nodes, particles.x[p], p, see_image);
+            if (more > 0) {
+              velocity /= 1 + more;
+              acceleration /= 1 + more;
+            }
+            const double m = particles.mass[p];
+            const Vector<D> momentum = m * particles.v[p];
+            const Vector<D> gained = half * acceleration;
+            const Vector<D> now = particles.v[p] + gained;
+            Vector<D> weight = m * problem.gravity;
+            if (!body_force.empty()) weight += m * body_force[p];
+            sum.power += weight.dot(velocity + gained);
+            sum.mass += m;
+            add<D>(sum.momentum, momentum);
+            add_angular<D>(sum.angular, particles.x[p], momentum);
+            if (modes > 0) {
+              fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
+              const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
+              for (int d = 0; d < D; ++d)
+                add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
+            }
+            sum.kinetic += m * now.squaredNorm() / 2;
+            sum.strain += particles.energy[p];
+            sum.linear_strain += linear_strain_energy(lame(problem.materials[particles.body[p]]),
+                                                      particles.stress[p], particles.volume(p));
+          }
+        });
   });
   Ledger ledger;
-  ledger.step = simulation.steps();
-  ledger.time = simulation.time();
+  ledger.step = s.steps;
+  ledger.time = s.time;
   for (const Ledger& block : blocks) {
     ledger.mass += block.mass;
     add(ledger.momentum, block.momentum);
@@ -126,12 +130,18 @@ Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
     ledger.node_kinetic += share * momentum_now[i].dot(now[i]) / 2;
   }
   ledger.negative_nodes = nodes.negative;
+  return ledger;
+}
+
+Ledger account(const Ledger& sums, double power, const std::optional<Ledger>& start,
+               const std::optional<Ledger>& before) {
+  Ledger ledger = sums;
   ledger.interpolation_error = ledger.node_kinetic - ledger.kinetic;
   ledger.algorithmic_error = -(ledger.node_kinetic + ledger.strain);
   const Ledger& from = start ? *start : ledger;
   ledger.interpolation_error -= from.node_kinetic - from.kinetic;
   ledger.algorithmic_error += from.node_kinetic + from.strain;
-  ledger.power += forces.power;
+  ledger.power += power;
   if (before)
     ledger.work = before->work + (ledger.time - before->time) * (before->power + ledger.power) / 2;
   else if (start)
@@ -172,6 +182,7 @@ std::string ledger_row(const Ledger& ledger) {
 #define RECON_INSTANTIATE(D)                                                  \
   template Ledger account(const Simulation<D>&, const std::optional<Ledger>&, \
                           const std::optional<Ledger>&);                      \
+  template Ledger sums_of(const State<D>&, const Step<D>&);                   \
   template Ledger account(const Simulation<D>&, const ExternalForces<D>&,     \
                           const std::optional<Ledger>&, const std::optional<Ledger>&);
 RECON_INSTANTIATE(1)

@@ -114,8 +114,9 @@ TEST(ImagesInARoller, GiveWhatTheOtherHalfOfTheBodyGives) {
       whole.particles.L.back() = R * one.L[p] * R;
     }
     Step<2> of_half(half), of_whole(whole);
-    of_half.to_nodes(start(half));
-    of_whole.to_nodes(start(whole));
+    State<2> half_state = start(half), whole_state = start(whole);
+    of_half.to_nodes(half_state);
+    of_whole.to_nodes(whole_state);
     const Nodes<2>&images = of_half.nodes(), &bodies = of_whole.nodes();
     double heaviest = bodies.heaviest();
     for (std::size_t i = 0; i < images.mass.size(); ++i) {

@@ -8,12 +8,12 @@
 #   include/recon/*.hpp     belong to recon::recon: rooms from core to transfer
 #   src/programs/           public headers and files of the same folder
 # Boost and nanoflann, which recon::recon can be built without, are included in one file each.
-# petsc/ is an optional component: no other room includes it, nor PETSc or MPI.
+# petsc/ and ranks/ are optional components: no other room includes them, nor PETSc or MPI.
 # The method, mpm/, knows neither files nor formulas nor what reads them.
 cmake_minimum_required(VERSION 3.22)
 
 set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer petsc mpm fields io runs studies
-  bindings c python)
+  ranks bindings c python)
 set(last_of_recon transfer)
 set(headers_about_boost include/recon/points/boost_geometry.hpp)
 set(includes_boost src/neighbourhood/r_tree.cpp)
@@ -64,8 +64,9 @@ foreach(file IN LISTS files)
       complain("public headers do not pull this in")
       continue()
     endif()
-    if(NOT room MATCHES "^(petsc|programs)$" AND included MATCHES "^(mpi\\.h|petsc[a-z]*\\.h|recon/petsc/|petsc/)")
-      complain("only petsc/ includes this: recon can be built without it")
+    if(NOT room MATCHES "^(petsc|ranks|programs)$" AND
+       included MATCHES "^(mpi\\.h|petsc[a-z]*\\.h|recon/petsc/|petsc/|recon/ranks/|ranks/)")
+      complain("only petsc/ and ranks/ include this: recon can be built without it")
       continue()
     endif()
     if(room STREQUAL "mpm" AND included MATCHES "^(filesystem|fstream|iostream|boost/|hdf5|muParser|toml)")

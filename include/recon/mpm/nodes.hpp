@@ -95,9 +95,12 @@ struct Nodes {
   std::vector<Vector<D>> internal;
   std::vector<double> stiffness;
   ImageParticles<D> images;
-  // The part of each node's mass that is not of images; empty without images. Sums over nodes weigh
-  // with it, so that what two nodes have in common counts once.
+  // The part of each node's mass that is neither of images nor of copies of other parts' particles
+  // (State::others); empty without these. Sums over nodes weigh with it, so that what two nodes, or
+  // the nodes of two parts, have in common counts once.
   std::vector<double> share;
+  // In a state of several parts (parts.hpp): the largest mass of a node of all of them.
+  std::optional<double> heaviest_of_parts;
   CellWeights<D>
       weights;     // with which particles stand for cells; of adjoint_cells only, else empty
   FitReports fit;  // reports of a fitted velocity, at the nodes fit_nodes
@@ -128,9 +131,20 @@ struct Nodes {
         out[static_cast<std::size_t>(at.row())] += at.value() * x[static_cast<std::size_t>(column)];
     return out;
   }
+  // Whether what the node has is known: in a state of several parts only those have all of their
+  // mass that the part's own particles see.
+  bool is_known(std::size_t i) const { return !heaviest_of_parts || share_of(i) != 0; }
   double heaviest() const {
+    if (heaviest_of_parts) return *heaviest_of_parts;
     double most = 0;
     for (const double each : mass) most = std::max(most, std::abs(each));
+    return most;
+  }
+  // Of the nodes that a part's own particles see.
+  double heaviest_known() const {
+    double most = 0;
+    for (std::size_t i = 0; i < mass.size(); ++i)
+      if (share_of(i) != 0) most = std::max(most, std::abs(mass[i]));
     return most;
   }
 };

@@ -11,6 +11,12 @@ struct State {
   double time = 0;
   double last_dt = 0;      // of the step before; 0 at the start
   std::int64_t steps = 0;  // made so far
+  // So many of the particles, the last ones, are copies of those of other parts (parts.hpp): they
+  // give to the nodes as all do, and are not moved.
+  std::size_t others = 0;
+
+  // The number of all other particles.
+  std::size_t own() const { return particles.size() - others; }
 
   // A step dt has been made.
   void tick(double dt) {

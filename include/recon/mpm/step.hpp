@@ -41,6 +41,7 @@
 #include <memory>
 
 #include "recon/mpm/nodes.hpp"
+#include "recon/mpm/parts.hpp"
 #include "recon/mpm/state.hpp"
 
 namespace recon::mpm {
@@ -54,15 +55,17 @@ class Step {
   // The problem's particles are not kept. Throws InvalidArgument for a method whose choices do not
   // go together.
   explicit Step(const Problem<D>& problem) : Step(problem, problem.particles.size()) {}
-  // For a problem whose particles, so many, are elsewhere.
-  Step(Problem<D> problem, std::size_t particles);
+  // For a problem whose particles, so many, are elsewhere; in parts where `parts` are given, which
+  // are asked for as long as this lives. Throws InvalidArgument as require_parts() does, too.
+  Step(Problem<D> problem, std::size_t particles, OtherParts<D>* parts = nullptr);
 
   // The whole step. Throws Failure where the particles cannot go on; some of them have moved then.
   void operator()(State<D>& s, double dt);
 
-  // Its parts: the first two (nodes() and cells() of this state), and the rest, which needs the
-  // first two of the same state.
-  void to_nodes(const State<D>& s);
+  // Its parts: the first two (nodes() and cells() of this state, whose copies of other parts'
+  // particles are brought up to date first), and the rest, which needs the first two of the same
+  // state.
+  void to_nodes(State<D>& s);
   void to_particles(State<D>& s, double dt);
 
   const Problem<D>& problem() const { return *problem_; }
@@ -71,18 +74,21 @@ class Step {
   const MassSigns& signs() const { return signs_; }
   // The body force per mass of the particles for which nodes() were computed; empty: none.
   const std::vector<Vector<D>>& body_force() const { return body_force_; }
-  // The forces on the nodes from the loads of the problem on a state; empty: there are no loads.
+  // The forces on the nodes from the loads of the problem on a state, those on its own particles
+  // alone; empty: there are no loads.
   std::vector<Vector<D>> load_forces(const State<D>& s) const;
   // Forgets nodes, cells and signs of masses.
   void forget();
 
   // For updates, which change the nodes' velocities, and may map again.
   const Policies<D>& policies() const { return *policies_; }
+  OtherParts<D>* parts() const { return parts_; }  // null: there is one whole
   Nodes<D>& changeable_nodes() { return nodes_; }
 
  private:
   std::shared_ptr<const Problem<D>> problem_;
   std::shared_ptr<const Policies<D>> policies_;  // of this problem; they do not change
+  OtherParts<D>* parts_ = nullptr;
   Nodes<D> nodes_;
   Cells<D> cells_;
   MassSigns signs_;

@@ -42,6 +42,10 @@ struct ExternalForces {
 // For the state that map() computed last. Throws InvalidArgument without one.
 template <int D>
 ExternalForces<D> external_forces(const Simulation<D>& simulation);
+// The same for a state that step.to_nodes() has mapped last. In a state of several parts
+// (parts.hpp) all sums are those of one part, and the whole has their sums.
+template <int D>
+ExternalForces<D> external_forces(const State<D>& s, const Step<D>& step);
 
 // How far a state is from rest: `unbalanced` over the larger one of `held` and `applied`, and the
 // kinetic energy of the nodes over the strain energy. A body on which nothing acts, or that is not

@@ -64,6 +64,14 @@ Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& sta
 template <int D>
 Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
                const std::optional<Ledger>& start, const std::optional<Ledger>& before);
+// The sums of a state that step.to_nodes() has mapped last: without errors of energy, work, and the
+// power of the external forces. In a state of several parts (parts.hpp) they are those of one part,
+// and the whole has their sums.
+template <int D>
+Ledger sums_of(const State<D>& s, const Step<D>& step);
+// The account with these sums and this power of external forces.
+Ledger account(const Ledger& sums, double power, const std::optional<Ledger>& start,
+               const std::optional<Ledger>& before);
 
 // The line of column names and a line of numbers, as ledger.csv has them.
 std::string ledger_header();
