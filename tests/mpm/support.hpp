@@ -14,7 +14,9 @@
 namespace recon::mpm {
 
 // What names of tests say of a method.
-inline void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
+inline void PrintTo(const Method& method, std::ostream* out) {
+  *out << method.name;
+}
 
 }  // namespace recon::mpm
 
