@@ -13,24 +13,12 @@ void ImagePolicy<D>::make(const State<D>& s, const std::vector<Vector<D>>& b,
   const Particles<D>& from = s.particles;
   nodes.images.of = images_.of(from.x);
   const auto& images = nodes.images.of;
-  Particles<D>& to = nodes.images.particles;
   const Kept kept = this->problem_.kept();
   const std::size_t modes = kept.modes;
-  from.arrays(kept, [&](const ParticleArray& array, const auto& values) {
-    if (values.empty()) return;
-    to.arrays(kept, [&](const ParticleArray& other, auto& copies) {
-      if constexpr (std::is_same_v<std::decay_t<decltype(values)>,
-                                   std::decay_t<decltype(copies)>>) {
-        if (std::string_view(other.name) != array.name) return;
-        copies.resize(images.size() * array.per_particle);
-        for (std::size_t i = 0; i < images.size(); ++i)
-          std::copy_n(
-              values.begin() + static_cast<std::ptrdiff_t>(images[i].of * array.per_particle),
-              array.per_particle,
-              copies.begin() + static_cast<std::ptrdiff_t>(i * array.per_particle));
-      }
-    });
-  });
+  std::vector<std::size_t> of;
+  for (const Image<D>& image : images) of.push_back(image.of);
+  Particles<D>& to = nodes.images.particles;
+  to = chosen(from, kept, of);
   if (!b.empty()) nodes.images.body_force.resize(images.size());
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Image<D>& image = images[i];

@@ -29,10 +29,10 @@ double half_width(const Problem<D>& problem, const Particles<D>& particles) {
   if (method.domain == Domain::point && method.velocity != VelocityMap::cpls) return 0;
   double widest = 0;
   for (std::size_t p = 0; p < particles.size(); ++p) {
-    const Matrix<D> edges = particles.F[p] * particles.half_edges[p];
-    widest = std::max(widest, edges.cwiseAbs().rowwise().sum().maxCoeff());
+    // Corners of fits are those of the parallelepiped, whatever the domain.
+    widest = std::max(widest, half_widths(particles.parallelepiped(p).half_edges).maxCoeff());
     if (method.domain == Domain::ugimp)
-      widest = std::max(widest, particles.half_edges[p].cwiseAbs().rowwise().sum().maxCoeff());
+      widest = std::max(widest, half_widths(particles.half_edges[p]).maxCoeff());
     if (particles.corners.empty()) continue;
     for (const Vector<D>& corner : particles.corners[p])
       widest = std::max(widest, (corner - particles.x[p]).cwiseAbs().maxCoeff());

@@ -264,13 +264,18 @@ void for_each_shape(const Problem<D>& problem, const State<D>& s, const Nodes<D>
                   });
 }
 
-// How far the domain of a particle reaches from its centre along an axis; 0 for points.
+// How far a box or parallelepiped with these half edges reaches from its centre along the axes.
+template <class HalfEdges>
+auto half_widths(const HalfEdges& half_edges) {
+  return half_edges.cwiseAbs().rowwise().sum().eval();
+}
+// The same of the domain of a particle; 0 for points.
 template <int D>
-double reach_of(const Method& method, const Particles<D>& particles, std::size_t p, int axis) {
-  if (method.domain == Domain::point) return 0;
-  const Matrix<D>& H = particles.half_edges[p];
-  if (method.domain == Domain::ugimp) return H.row(axis).cwiseAbs().sum();
-  return (particles.F[p] * H).row(axis).cwiseAbs().sum();
+Vector<D> half_widths_of_domain(const Method& method, const Particles<D>& particles,
+                                std::size_t p) {
+  if (method.domain == Domain::point) return Vector<D>::Zero();
+  if (method.domain == Domain::ugimp) return half_widths(particles.half_edges[p]);
+  return half_widths(particles.parallelepiped(p).half_edges);
 }
 
 // Calls each(image, its number) for the images of particle p, which is at x, in mirrors, as far as
@@ -287,12 +292,10 @@ int for_mirrors(const Problem<D>& problem, const Nodes<D>& nodes, const Vector<D
   const auto [first, last] = nodes.images.of_particle(p);
   for (std::size_t i = first; i < last; ++i) {
     const Image<D>& image = nodes.images.of[i];
-    bool near = image.mirrored != 0;
-    for (int d = 0; d < D && near; ++d)
-      near = std::abs(image.x[d] - x[d]) / 2 +
-                 reach_of(problem.method, nodes.images.particles, i, d) <=
-             2 * problem.grid.h();
-    if (!near) continue;
+    if (image.mirrored == 0) continue;
+    const Vector<D> farthest = (image.x - x).cwiseAbs() / 2 +
+                               half_widths_of_domain(problem.method, nodes.images.particles, i);
+    if (!(farthest.maxCoeff() <= 2 * problem.grid.h())) continue;
     each(image, i);
     ++count;
   }

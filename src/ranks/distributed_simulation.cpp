@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <unordered_map>
@@ -10,38 +9,10 @@
 #include "mpm/policies.hpp"
 #include "petsc/call.hpp"
 #include "ranks/boxes.hpp"
+#include "ranks/messages.hpp"
 #include "ranks/votes.hpp"
 
 namespace recon::mpm {
-namespace {
-
-using Bytes = std::vector<std::byte>;
-
-template <class T>
-void put(const std::vector<T>& values, Bytes& to) {
-  static_assert(std::is_trivially_destructible_v<T>);
-  const std::size_t begin = to.size(), length = values.size() * sizeof(T);
-  to.resize(begin + length);
-  if (length > 0) std::memcpy(to.data() + begin, static_cast<const void*>(values.data()), length);
-}
-
-// Reads `count` values, and moves on.
-template <class T>
-void take(const std::byte*& from, std::size_t count, std::vector<T>& to) {
-  to.resize(count);
-  if (count > 0) std::memcpy(static_cast<void*>(to.data()), from, count * sizeof(T));
-  from += count * sizeof(T);
-}
-
-// Whether an array changes within a step in a way that copies need.
-bool changes(const char* array) {
-  for (const std::string_view name : {"x", "v", "F", "L", "stress", "corners", "modes"})
-    if (name == array) return true;
-  return false;
-}
-
-}  // namespace
-
 template <int D>
 class DistributedSimulation<D>::Exchange : public OtherParts<D> {
  public:
@@ -51,6 +22,7 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
       require_parts(problem);
       State<D> whole = start(std::move(problem));
       kept_ = problem.kept();
+      messages.emplace(votes, kept_);
       all = whole.particles.size();
       boxes_.emplace(whole.particles.x, ranks.size());
       choose_own(whole);
@@ -80,38 +52,12 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
   void copy_to(State<D>& s) override {
     votes.vote();
     if (s.others == 0 && !has_lists_) return make_copies(s);
-    std::vector<Bytes> out(size_), in(size_);
-    for (std::size_t r = 0; r < size_; ++r) {
-      if (!to_[r].empty()) pack(chosen(s.particles, kept_, to_[r]), true, out[r]);
-      in[r].resize(bytes_of(from_[r], true));
-    }
-    exchange(out, in);
-    std::size_t at = s.own();
-    for (std::size_t r = 0; r < size_; ++r) {
-      unpack(in[r], from_[r], at, s.particles);
-      at += from_[r];
-    }
+    messages->send_changes(to_, from_, s.own(), s.particles);
   }
 
   void copy_to(const State<D>& s, std::vector<Vector<D>>& of_particles) override {
     votes.vote();
-    std::vector<Bytes> out(size_), in(size_);
-    for (std::size_t r = 0; r < size_; ++r) {
-      std::vector<Vector<D>> values;
-      for (const std::size_t p : to_[r]) values.push_back(of_particles[p]);
-      put(values, out[r]);
-      in[r].resize(from_[r] * sizeof(Vector<D>));
-    }
-    exchange(out, in);
-    std::size_t at = s.own();
-    for (std::size_t r = 0; r < size_; ++r) {
-      const std::byte* read = in[r].data();
-      std::vector<Vector<D>> values;
-      take(read, from_[r], values);
-      std::copy(values.begin(), values.end(),
-                of_particles.begin() + static_cast<std::ptrdiff_t>(at));
-      at += from_[r];
-    }
+    messages->send_vectors(to_, from_, s.own(), of_particles);
   }
 
   void sum(std::span<double> numbers_of_all) override {
@@ -137,62 +83,40 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
   void migrate() {
     forget_copies();
     has_lists_ = false;
-    std::vector<std::vector<std::size_t>> leaving(size_);
+    Lists leaving(size_);
     std::vector<std::size_t> staying;
     for (std::size_t p = 0; p < numbers.size(); ++p) {
       const int r = boxes_->rank_of(state.particles.x[p]);
-      if (r == rank())
-        staying.push_back(p);
-      else
-        leaving[static_cast<std::size_t>(r)].push_back(p);
+      (r == rank() ? staying : leaving[static_cast<std::size_t>(r)]).push_back(p);
     }
-    std::vector<std::size_t> coming = counts_of(leaving);
-    std::vector<Bytes> out(size_), in(size_);
-    bool changed = staying.size() != numbers.size();
-    for (std::size_t r = 0; r < size_; ++r) {
-      in[r].resize(coming[r] == 0 ? 0 : bytes_of(coming[r], false));
-      changed = changed || coming[r] > 0;
-      if (leaving[r].empty()) continue;
-      pack(chosen(state.particles, kept_, leaving[r]), false, out[r]);
-      put(chosen_numbers(leaving[r]), out[r]);
-      migrated += static_cast<std::int64_t>(leaving[r].size());
-    }
-    exchange(out, in);
-    if (!changed) return;
-    std::vector<std::uint32_t> now = chosen_numbers(staying);
+    const auto arrived = messages->send(leaving, state.particles, numbers);
+    const std::size_t left = numbers.size() - staying.size();
+    migrated += static_cast<std::int64_t>(left);
+    if (left == 0 && !arrived.any()) return;
+    std::vector<std::uint32_t> now = chosen(numbers, staying);
     Particles<D> particles = chosen(state.particles, kept_, staying);
-    for (std::size_t r = 0; r < size_; ++r)
-      if (coming[r] > 0) receive(in[r], coming[r], particles, now);
+    messages->append(arrived, particles, now);
     // In the order of the problem, in which the particles of a body stand together.
     std::vector<std::size_t> order(now.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return now[a] < now[b]; });
     state.particles = chosen(particles, kept_, order);
-    numbers.clear();
-    for (const std::size_t i : order) numbers.push_back(now[i]);
+    numbers = chosen(now, order);
   }
 
   State<D> gather() {
-    std::vector<std::vector<std::size_t>> sent(size_);
-    sent[0].resize(numbers.size());
-    std::iota(sent[0].begin(), sent[0].end(), std::size_t{0});
-    if (rank() == 0) sent[0].clear();
-    const std::vector<std::size_t> coming = counts_of(sent);
-    std::vector<Bytes> out(size_), in(size_);
-    for (std::size_t r = 0; r < size_; ++r) in[r].resize(bytes_of(coming[r], false));
-    const std::size_t own = state.own();
-    Particles<D> particles = state.particles;
-    keep_first(own, kept_, particles);
-    if (!sent[0].empty()) {
-      pack(particles, false, out[0]);
-      put(numbers, out[0]);
+    Lists sent(size_);
+    if (rank() != 0) {
+      sent[0].resize(numbers.size());
+      std::iota(sent[0].begin(), sent[0].end(), std::size_t{0});
     }
-    exchange(out, in);
+    const auto arrived = messages->send(sent, state.particles, numbers);
     if (rank() != 0) return {{}, state.time, state.last_dt, state.steps};
+    Particles<D> particles = state.particles;
+    keep_first(state.own(), kept_, particles);
     std::vector<std::uint32_t> whose = numbers;
-    for (std::size_t r = 1; r < size_; ++r)
-      if (coming[r] > 0) receive(in[r], coming[r], particles, whose);
+    messages->append(arrived, particles, whose);
     std::vector<std::size_t> order(all, all);
     for (std::size_t i = 0; i < whose.size(); ++i) order.at(whose[i]) = i;
     recon::detail::require(
@@ -207,35 +131,26 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
       try {
         work();
       } catch (const Failure& e) {
-        const std::string what = e.what();
-        const std::size_t reason = what.find(": ");
-        if (what.find(", particle ") > reason || what.compare(reason + 2, 5, "rank ") == 0) throw;
-        throw Failure(e.step(), "particle",
-                      e.number() < numbers.size() ? numbers[e.number()] : e.number(),
-                      what.substr(reason + 2));
+        if (votes.told() || std::string_view(e.place()) != "particle") throw;
+        throw Failure(e.step(), e.place(),
+                      e.number() < numbers.size() ? numbers[e.number()] : e.number(), e.reason());
       }
     });
   }
 
   int rank() const { return votes.ranks().rank(); }
 
-  mutable Votes votes;
+  Votes votes;
+  std::optional<Messages<D>> messages;
   State<D> state;
   std::vector<std::uint32_t> numbers;  // of the own particles in the problem
   std::size_t all = 0;
   std::optional<Step<D>> step;
   bool mapped = false, failed = false;
-  std::int64_t messages = 0, bytes = 0, migrated = 0;
   std::size_t copies = 0;
-  mutable Traffic traffic;
+  std::int64_t migrated = 0;
 
  private:
-  std::vector<std::uint32_t> chosen_numbers(const std::vector<std::size_t>& which) const {
-    std::vector<std::uint32_t> some;
-    for (const std::size_t p : which) some.push_back(numbers[p]);
-    return some;
-  }
-
   // Which own particles other ranks need, and theirs.
   void make_copies(State<D>& s) {
     has_lists_ = true;
@@ -287,19 +202,10 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
       for (std::size_t p = 0; p < numbers.size(); ++p)
         if (is_near(s.particles.x[p], spans[r])) to_[r].push_back(p);
     }
-    from_ = counts_of(to_);
-    std::vector<Bytes> out(size_), in(size_);
-    for (std::size_t r = 0; r < size_; ++r) {
-      if (!to_[r].empty()) {
-        pack(chosen(s.particles, kept_, to_[r]), false, out[r]);
-        put(chosen_numbers(to_[r]), out[r]);
-      }
-      in[r].resize(bytes_of(from_[r], false));
-    }
-    exchange(out, in);
+    const auto arrived = messages->send(to_, s.particles, numbers);
+    from_ = arrived.counts;
     std::vector<std::uint32_t> of_all = numbers;
-    for (std::size_t r = 0; r < size_; ++r)
-      if (from_[r] > 0) receive(in[r], from_[r], s.particles, of_all);
+    messages->append(arrived, s.particles, of_all);
     s.others = of_all.size() - numbers.size();
     copies = s.others;
     places_.clear();
@@ -307,93 +213,11 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     for (std::size_t i = 0; i < of_all.size(); ++i) places_.emplace(of_all[i], i);
   }
 
-  // All arrays of particles one after the other, or those that change alone.
-  static void pack(const Particles<D>& particles, const Kept& kept, bool changing, Bytes& to) {
-    particles.arrays(kept, [&](const ParticleArray& array, const auto& values) {
-      if (!changing || changes(array.name)) put(values, to);
-    });
-  }
-  void pack(const Particles<D>& particles, bool changing, Bytes& to) const {
-    pack(particles, kept_, changing, to);
-  }
-  // Of so many particles; with their numbers where all arrays are sent.
-  std::size_t bytes_of(std::size_t count, bool changing) const {
-    std::size_t length = changing ? 0 : count * sizeof(std::uint32_t);
-    Particles<D> none;
-    none.arrays(kept_, [&](const ParticleArray& array, const auto& values) {
-      using T = typename std::decay_t<decltype(values)>::value_type;
-      if (!changing || changes(array.name)) length += count * array.per_particle * sizeof(T);
-    });
-    return length;
-  }
-  // After the particles that there are, and their numbers.
-  void receive(const Bytes& from, std::size_t count, Particles<D>& to,
-               std::vector<std::uint32_t>& whose) const {
-    const std::byte* read = from.data();
-    Particles<D> more;
-    more.arrays(kept_, [&](const ParticleArray& array, auto& values) {
-      take(read, count * array.per_particle, values);
-    });
-    append(more, kept_, to);
-    std::vector<std::uint32_t> more_numbers;
-    take(read, count, more_numbers);
-    whose.insert(whose.end(), more_numbers.begin(), more_numbers.end());
-  }
-  // What changes, in the place of what was there.
-  void unpack(const Bytes& from, std::size_t count, std::size_t at, Particles<D>& to) const {
-    const std::byte* read = from.data();
-    to.arrays(kept_, [&](const ParticleArray& array, auto& values) {
-      if (!changes(array.name)) return;
-      using T = typename std::decay_t<decltype(values)>::value_type;
-      const std::size_t entries = count * array.per_particle;
-      if (entries > 0)
-        std::memcpy(static_cast<void*>(values.data() + at * array.per_particle), read,
-                    entries * sizeof(T));
-      read += entries * sizeof(T);
-    });
-  }
-
-  // How many entries each rank has for this one.
-  std::vector<std::size_t> counts_of(const std::vector<std::vector<std::size_t>>& lists) {
-    std::vector<std::int64_t> mine(size_), others(size_);
-    for (std::size_t r = 0; r < size_; ++r) mine[r] = static_cast<std::int64_t>(lists[r].size());
-    RECON_MPI(MPI_Alltoall(mine.data(), 1, MPI_INT64_T, others.data(), 1, MPI_INT64_T,
-                           votes.ranks().get()));
-    ++votes.rounds;
-    return {others.begin(), others.end()};
-  }
-
-  // Sends to and receives from all ranks for which there is something.
-  void exchange(const std::vector<Bytes>& out, std::vector<Bytes>& in) {
-    constexpr std::size_t most = std::size_t{1} << 30;  // of one message, in whose int it must fit
-    std::vector<MPI_Request> requests;
-    const MPI_Comm comm = votes.ranks().get();
-    const auto in_pieces = [&](std::size_t length, const auto& piece) {
-      for (std::size_t begin = 0; begin < length; begin += most)
-        piece(begin, static_cast<int>(std::min(most, length - begin)));
-    };
-    for (std::size_t r = 0; r < size_; ++r)
-      in_pieces(in[r].size(), [&](std::size_t begin, int length) {
-        requests.emplace_back();
-        RECON_MPI(MPI_Irecv(in[r].data() + begin, length, MPI_BYTE, static_cast<int>(r), 0, comm,
-                            &requests.back()));
-      });
-    for (std::size_t r = 0; r < size_; ++r)
-      in_pieces(out[r].size(), [&](std::size_t begin, int length) {
-        requests.emplace_back();
-        RECON_MPI(MPI_Isend(out[r].data() + begin, length, MPI_BYTE, static_cast<int>(r), 0, comm,
-                            &requests.back()));
-        ++messages;
-        bytes += length;
-      });
-    RECON_MPI(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
-  }
-
   std::size_t size_;
   Kept kept_;
   std::optional<Boxes<D>> boxes_;
   // The own particles of which each rank has copies, and how many this one has of those of each.
-  std::vector<std::vector<std::size_t>> to_;
+  Lists to_;
   std::vector<std::size_t> from_;
   bool has_lists_ = false;
   std::unordered_map<std::uint32_t, std::size_t> places_;  // with loads alone
@@ -422,10 +246,9 @@ const Step<D>& DistributedSimulation<D>::stepper() const {
   return *exchange_->step;
 }
 template <int D>
-const Traffic& DistributedSimulation<D>::traffic() const {
+Traffic DistributedSimulation<D>::traffic() const {
   const Exchange& of = *exchange_;
-  of.traffic = {of.messages, of.bytes, of.votes.rounds, of.copies, of.migrated};
-  return of.traffic;
+  return {of.messages->messages, of.messages->bytes, of.votes.rounds, of.copies, of.migrated};
 }
 template <int D>
 const petsc::Communicator& DistributedSimulation<D>::ranks() const {
@@ -445,7 +268,8 @@ TimeStep DistributedSimulation<D>::choose_step() const {
     const TimeStep mine = mpm::choose_step(problem(), of.state.particles);
     step.dt = -of.votes.vote(-mine.dt);
     const bool limits = mine.dt == step.dt && mine.particle < of.numbers.size();
-    const double number = limits ? of.numbers[mine.particle] : 4294967295.0;
+    const double number =
+        limits ? of.numbers[mine.particle] : std::numeric_limits<std::uint32_t>::max();
     step.particle = static_cast<std::size_t>(-of.votes.vote(-number));
     if (problem().time.rule == StepRule::fixed) step.particle = 0;
   });

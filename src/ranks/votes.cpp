@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "petsc/call.hpp"
 #include "recon/mpm/nodes.hpp"
@@ -22,14 +23,11 @@ struct Thrown {
     try {
       throw;
     } catch (const Failure& e) {
-      const std::string what = e.what();
-      const std::size_t reason = what.find(": ");
-      const bool node = what.rfind(", node ", reason) != std::string::npos;
       return {Kind::failure,
               e.step(),
               static_cast<std::int64_t>(e.number()),
-              node,
-              {what.substr(reason == std::string::npos ? 0 : reason + 2)}};
+              std::string_view(e.place()) == "node",
+              {e.reason()}};
     } catch (const InvalidArgument& e) {
       return {Kind::invalid, 0, 0, 0, {e.argument(), e.value(), e.rule()}};
     } catch (const std::exception& e) {

@@ -20,6 +20,8 @@ class Votes {
   // Throws where another rank has failed; returns the largest of a number.
   double vote(double number = 0);
 
+  // Whether what is thrown now is what all ranks throw.
+  bool told() const { return told_; }
   const petsc::Communicator& ranks() const { return ranks_; }
   std::int64_t rounds = 0;
 

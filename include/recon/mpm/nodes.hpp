@@ -22,18 +22,27 @@ namespace recon::mpm {
 // finite; a node has a mass that cannot be divided by.
 class Failure : public std::runtime_error {
  public:
-  // place: "particle" or "node", the kind of thing that `number` counts.
-  Failure(std::int64_t step, const char* place, std::size_t number, const std::string& what)
+  // place: "particle" or "node", the kind of thing that `number` counts; a literal.
+  Failure(std::int64_t step, const char* place, std::size_t number, const std::string& reason)
       : std::runtime_error("step " + std::to_string(step) + ", " + place + " " +
-                           std::to_string(number) + ": " + what),
+                           std::to_string(number) + ": " + reason),
         step_(step),
-        number_(number) {}
+        place_(place),
+        number_(number),
+        reason_length_(reason.size()) {}
   std::int64_t step() const { return step_; }
+  const char* place() const { return place_; }
   std::size_t number() const { return number_; }
+  // What what() says after the place.
+  std::string reason() const {
+    const std::string all = what();
+    return all.substr(all.size() - reason_length_);
+  }
 
  private:
   std::int64_t step_;
-  std::size_t number_;
+  const char* place_;
+  std::size_t number_, reason_length_;
 };
 
 // A node whose mass is negative. Functions of elements (q8, q9) are negative in parts, and a fitted

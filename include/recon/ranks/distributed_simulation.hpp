@@ -52,7 +52,7 @@ class DistributedSimulation {
   const State<D>& part() const;
   const std::vector<std::uint32_t>& numbers() const;
   const Step<D>& stepper() const;
-  const Traffic& traffic() const;
+  Traffic traffic() const;
   const petsc::Communicator& ranks() const;
   const Problem<D>& problem() const { return stepper().problem(); }
   // The same on all ranks.

@@ -89,4 +89,12 @@ void add_fate(Measured& measured, double reached, Run half_step) {
   measured.add("stops", breaks ? 1 : 0);
 }
 
+// The same of a run_to_end() whose outcome is noted.
+template <int D>
+void add_fate(Measured& measured, const mpm::Simulation<D>& simulation,
+              const mpm::ProblemFile<D>& file) {
+  add_fate(measured, measured.note.empty() ? 1 : simulation.time() / file.problem.time.end,
+           [&] { return run_with_half_step(file); });
+}
+
 }  // namespace recon::program

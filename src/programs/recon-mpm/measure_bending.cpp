@@ -59,15 +59,10 @@ BendingRun simulate(const Request& request, const std::vector<std::string>& sett
 
 // Why the same run stops with half the step; empty: it does not.
 std::string with_half_step(const Request& request, const std::vector<std::string>& settings,
-                           Watch watch) {
-  watch.value = {};
-  watch.accounts = false;
-  const auto change = watch.change;
-  watch.change = [change](BendingProblem& problem) {
-    if (change) change(problem);
-    shorten_step(problem, 2);
-  };
-  return simulate(request, settings, watch).failure;
+                           const Watch& watch) {
+  auto file = std::get<mpm::ProblemFile<2>>(request.load(settings));
+  if (watch.change) watch.change(file.problem);
+  return run_with_half_step(std::move(file));
 }
 
 Curve over_time(const std::string& name, const BendingRun& run,

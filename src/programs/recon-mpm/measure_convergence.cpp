@@ -34,8 +34,7 @@ Measured breaks(const Request& request) {
       [&](const auto& file) {
         mpm::Simulation simulation(file.problem);
         measured.note = run_to_end(simulation, file);
-        add_fate(measured, measured.note.empty() ? 1 : simulation.time() / file.problem.time.end,
-                 [&] { return run_with_half_step(file); });
+        add_fate(measured, simulation, file);
       },
       request.load());
   return measured;

@@ -162,9 +162,8 @@ Measured probes(const Request& request) {
           const mpm::Ledger now = account ? mpm::account(simulation) : mpm::Ledger{};
           for (Gauge<D>& each : gauges) each.read(simulation, now);
         });
+        add_fate(measured, simulation, file);
         const bool finished = measured.note.empty();
-        add_fate(measured, finished ? 1 : simulation.time() / file.problem.time.end,
-                 [&] { return run_with_half_step(file); });
         for (std::size_t k = 0; k < gauges.size(); ++k)
           measured.add(request.study.probes[k].name, gauges[k].result(finished));
       },
