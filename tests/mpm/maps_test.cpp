@@ -456,6 +456,7 @@ TEST(NegativeMasses, AreReportedAtOnce) {
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.step(), 0);
     EXPECT_EQ(failure.number(), found.node);
+    EXPECT_STREQ(failure.place(), "node");
     EXPECT_NE(std::string(failure.what()).find("q8"), std::string::npos) << failure.what();
   }
 }

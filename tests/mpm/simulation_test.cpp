@@ -213,6 +213,10 @@ TEST(Failures, NameTheParticleAndTheStep) {
   } catch (const Failure& failure) {
     EXPECT_NE(std::string(failure.what()).find("left the grid"), std::string::npos);
     EXPECT_GE(failure.step(), 40);
+    EXPECT_STREQ(failure.place(), "particle");
+    EXPECT_EQ(failure.what(), "step " + std::to_string(failure.step()) + ", particle " +
+                                  std::to_string(failure.number()) + ": " + failure.reason());
+    EXPECT_EQ(failure.reason().rfind("it left the grid at ", 0), 0u);
     EXPECT_GT(leaving.particles().x[failure.number()][0], 0.98);
   }
   // Opposite velocities in one cell: turned inside out by one long step.
