@@ -104,7 +104,7 @@ template <int D>
 AxisFunctions<AtMost<widest_box>> average(const CartesianGrid<D>& grid, int d, double x, double l) {
   AxisFunctions<AtMost<widest_box>> axis;
   require_box(grid, d, x, l);
-  const double h = grid.h();
+  const double per_h = grid.inverse_h(), per_edge = 1 / (2 * l);
   const int last = grid.cell(x + l, d);
   axis.first = grid.cell(x - l, d);
   axis.count = last - axis.first + 2;
@@ -113,13 +113,13 @@ AxisFunctions<AtMost<widest_box>> average(const CartesianGrid<D>& grid, int d, d
   for (int c = axis.first; c <= last; ++c) {
     const double begin = c == axis.first ? x - l : grid.node(c, d);
     const double end = c == last ? x + l : grid.node(c + 1, d);
-    const double part = (end - begin) / (2 * l);
-    const double xi = ((begin + end) / 2 - grid.node(c, d)) / h;
+    const double part = (end - begin) * per_edge;
+    const double xi = ((begin + end) / 2 - grid.node(c, d)) * per_h;
     const int k = c - axis.first;
     axis.S[k] += part * (1 - xi);
     axis.S[k + 1] += part * xi;
-    axis.G[k] -= part / h;
-    axis.G[k + 1] += part / h;
+    axis.G[k] -= part * per_h;
+    axis.G[k + 1] += part * per_h;
   }
   return axis;
 }
@@ -165,7 +165,8 @@ void from_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
   }
   for (int a = 0; a < corner_count; ++a) {
     SpaceVector<D> xi;
-    for (int d = 0; d < D; ++d) xi[d] = (corners[a][d] - grid.node(cell[a][d], d)) / grid.h();
+    for (int d = 0; d < D; ++d)
+      xi[d] = (corners[a][d] - grid.node(cell[a][d], d)) * grid.inverse_h();
     for (int b = 0; b < corner_count; ++b) {
       double N = 1;
       std::size_t n = 0;
