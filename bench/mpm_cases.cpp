@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 
+#include "hand_step.hpp"
 #include "recon/runs/simulation.hpp"
 
 namespace recon_bench {
@@ -16,6 +17,15 @@ namespace {
 using namespace recon::mpm;
 
 constexpr double impm_goal = 3;
+// The most that a step may cost, in times of another one.
+struct Aim {
+  const char *method, *reference;
+  double most;
+  bool in_2d;
+};
+constexpr Aim aims[] = {
+    {"apic", "bspline2", 1.25, true}, {"fmpm", "ugimp", 2, true}, {"cpls", "cpdi1", 2, false}};
+constexpr double hand_goal = 1.5;
 
 // A block that fills the grid, 2 particles per cell and axis, in a linear velocity field.
 template <int D>
@@ -41,6 +51,46 @@ Problem<D> full_block(std::size_t cells, const Method& method, int threads) {
     for (int d = 0; d < D; ++d) problem.particles.L.back()(d, (d + 1) % D) += 0.1;
   }
   return problem;
+}
+
+// The same block, to be stepped by hand.
+template <int D>
+hand_written::MpmStep<D> by_hand(const Problem<D>& problem) {
+  std::vector<std::array<double, D>> x(problem.particles.size()), v(x.size());
+  for (std::size_t p = 0; p < x.size(); ++p)
+    for (int d = 0; d < D; ++d) {
+      x[p][d] = problem.particles.x[p][d];
+      v[p][d] = problem.particles.v[p][d];
+    }
+  const Lame& elastic = lame(problem.materials[0]);
+  return {problem.grid.cells(0), x,         v, problem.particles.volume0[0], problem.densities[0],
+          elastic.lambda,        elastic.mu};
+}
+
+// How far both are apart after ten steps, in which particles move by up to a third of a cell: the
+// greatest difference of places and velocities, of which the greatest are about 1.
+template <int D>
+double hand_differs(std::size_t cells, int threads) {
+  constexpr int steps = 10;
+  Problem<D> problem = full_block<D>(cells, method_named("mpm"), threads);
+  for (std::size_t p = 0; p < problem.particles.size(); ++p)
+    for (int d = 0; d < D; ++d)
+      problem.particles.v[p][d] = 0.2 * std::sin(6.2831853 * problem.particles.x[p][d]);
+  const double dt = 0.2 * problem.grid.h() / Lame::from(1000, 0.3).p_wave_speed(1000);
+  Simulation<D> simulation(problem);
+  auto hand = by_hand(problem);
+  for (int i = 0; i < steps; ++i) {
+    simulation.step(dt);
+    hand(dt, threads);
+  }
+  double most = 0;
+  const auto x = hand.positions(), v = hand.velocities();
+  for (std::size_t p = 0; p < x.size(); ++p)
+    for (int d = 0; d < D; ++d) {
+      most = std::max(most, std::abs(x[p][d] - simulation.particles().x[p][d]));
+      most = std::max(most, std::abs(v[p][d] - simulation.particles().v[p][d]));
+    }
+  return most;
 }
 
 // Mass is complete, and fitted maps reproduce the linear field.
@@ -86,6 +136,11 @@ void time_methods(Lab& lab, std::size_t cells, Table& table) {
                        made.step(1e-6);  // nothing moves to speak of: every step is like the first
                      }});
     }
+  const Problem<D> block = full_block<D>(cells, method_named("mpm"), lab.context.threads);
+  auto hand = by_hand(block);
+  lab.checks.within(hand_differs<D>(cells, lab.context.threads) / 1e-12,
+                    "mpm " + name + ", the step by hand");
+  all.push_back({"by hand", [&] { hand(1e-6, lab.context.threads); }});
   const auto particles = static_cast<double>(simulations.front()->particles().size());
   const auto times = lab.stopwatch.run("mpm/" + name, all, 3);
   const std::size_t count = compared.size();
@@ -114,6 +169,17 @@ void time_methods(Lab& lab, std::size_t cells, Table& table) {
   lab.summary.at_most("mpm " + name, "ns per particle and step: impm against mpm",
                       impm.best() / particles * 1e9, mpm.best() / particles * 1e9,
                       speedup(mpm, impm), impm_goal);
+  const auto at_most = [&](const std::string& method, const Times& its,
+                           const std::string& reference, const Times& other, double most) {
+    lab.summary.at_most(
+        "mpm " + name, "ns per particle and step: " + method + " against " + reference,
+        its.best() / particles * 1e9, other.best() / particles * 1e9, speedup(other, its), most);
+  };
+  at_most("mpm", mpm, "a step by hand", times.back(), hand_goal);
+  for (const Aim& aim : aims)
+    if (D == 3 || aim.in_2d)
+      at_most(aim.method, time_of(named(aim.method)), aim.reference, time_of(named(aim.reference)),
+              aim.most);
 }
 
 }  // namespace

@@ -78,10 +78,11 @@ function(recon_add_simd_sources library)
     target_compile_definitions(${objects} PRIVATE RECON_SET=${set} ${RECON_SET_DEFINITIONS})
     target_sources(${library} PRIVATE $<TARGET_OBJECTS:${objects}>)
   endforeach()
-  # Searches decide by squared distances that must be the same for all sets; fits gain by fusing. A sanitizer's
+  # Searches decide by squared distances that must be the same for all sets, and a run that goes on elsewhere must
+  # have the same bits (what two opposite particles give to a node must be zero, too); fits gain by fusing. A sanitizer's
   # checks stand between a product and its sum, so that some copies of a loop would be fused and others not.
   foreach(source IN LISTS ARGN)
-    if(source MATCHES "/neighbourhood/" OR RECON_SANITIZE)
+    if(source MATCHES "/(neighbourhood|transfer)/" OR RECON_SANITIZE)
       set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -ffp-contract=off)
     else()
       set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -ffp-contract=fast)

@@ -3,6 +3,7 @@
 
 #include "recon/mpm/method.hpp"
 #include "recon/transfer/modes.hpp"
+#include "transfer/node_rows.hpp"
 
 namespace recon::mpm {
 
@@ -27,6 +28,17 @@ void fill_modes(const Grid<D>& grid, const Shape& shape_of, const Vector<D>& x, 
     modes.fill(grid, shape_of.functions.axes(grid, x), x, mode_set(map));
   else
     modes.fill(grid, at);
+}
+
+// As kernels see them.
+template <int D>
+detail::ModeList list_of(const PolynomialModes<D>& modes) {
+  return {modes.values(), static_cast<std::ptrdiff_t>(modes.nodes()), 1,
+          static_cast<std::size_t>(modes.count())};
+}
+template <int D>
+detail::ModeList list_of(const DomainModes<D>& modes) {
+  return {modes.values(), 1, D, D};
 }
 
 }  // namespace recon::mpm

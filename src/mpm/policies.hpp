@@ -14,7 +14,7 @@
 
 namespace recon::mpm {
 
-constexpr std::size_t particles_per_block = 1024;
+constexpr std::size_t particles_per_block = 1024, nodes_per_block = 4096;
 constexpr double lightest_node = 1e-10;  // of the heaviest: lighter ones do not feel forces
 
 // What particles give to the nodes themselves; the rest is the quadrature's.

@@ -2,6 +2,7 @@
 #include "mpm/modes.hpp"
 #include "mpm/policies.hpp"
 #include "recon/transfer/scatter.hpp"
+#include "transfer/node_rows.hpp"
 
 namespace recon::mpm {
 namespace {
@@ -23,6 +24,23 @@ struct Carried {
   double kick;                              // by which accelerations count
 };
 
+// Velocities of the nodes as rows of four numbers, or with accelerations as rows of eight.
+template <int D>
+detail::NodeRows rows_of(const Problem<D>& problem, const std::vector<Vector<D>>& velocity,
+                         const std::vector<Vector<D>>* acceleration) {
+  detail::NodeRows rows(velocity.size(), acceleration ? 8 : 4);
+  const auto write = [&](std::size_t begin, std::size_t end) {
+    std::fill(rows[begin], rows[end], 0.0);
+    for (std::size_t i = begin; i < end; ++i)
+      for (int d = 0; d < D; ++d) {
+        rows[i][d] = velocity[i][d];
+        if (acceleration) rows[i][4 + d] = (*acceleration)[i][d];
+      }
+  };
+  parallel_blocks(velocity.size(), nodes_per_block, problem.threads, write);
+  return rows;
+}
+
 // v_p, x_p, L of all particles, and what follows.
 template <int D, class Shape>
 void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>& nodes,
@@ -32,30 +50,49 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
   const Method& method = problem.method;
   const double pic = method.pic_part(from.kick);
   const std::size_t modes = mode_count(method.velocity, D);
+  const auto kernels = detail::RowKernels<D>::best();
+  const bool same = &from.straining == &from.carried;
+  const detail::NodeRows rows = rows_of(problem, from.carried, &nodes.acceleration);
+  const detail::NodeRows others =
+      same ? detail::NodeRows(0, 4) : rows_of<D>(problem, from.straining, nullptr);
+  const double* straining = same ? rows.data() : others.data();
   // What a place sees of the nodes.
   struct Seen {
     Vector<D> v, a;
     Matrix<D> L;
   };
   const auto see = [&](const auto& shape) {
-    Seen seen{Vector<D>::Zero(), Vector<D>::Zero(), Matrix<D>::Zero()};
-    if (parts.strain) seen.L = shape.gradient(from.straining, trusted);
-    if (parts.velocity || parts.position) seen.v = shape.value(from.carried, trusted);
-    if (parts.velocity && pic < 1) seen.a = shape.value(nodes.acceleration, trusted);
+    detail::Taken taken;
+    kernels.take(detail::list_of(shape), rows.data(), straining, same ? 8 : 4, taken);
+    Seen seen;
+    for (int d = 0; d < D; ++d) {
+      seen.v[d] = taken.value[d];
+      seen.a[d] = taken.value[4 + d];
+      for (int c = 0; c < D; ++c) seen.L(c, d) = taken.slope[d][c];
+    }
     return seen;
   };
   struct Scratch {
     ParticleModes<D, Shape> modes;
     typename Shape::template Nodes<D> image;
     std::vector<Vector<D>> of_image;
+    std::vector<double> moments;
+  };
+  // The coefficients of the modes at x.
+  const auto see_modes = [&](const Vector<D>& x, const auto& shape, Vector<D>* c,
+                             Scratch& scratch) {
+    fill_modes(grid, shape_of, x, shape, method.velocity, scratch.modes);
+    scratch.moments.resize(4 * modes);
+    kernels.take_modes(detail::list_of(shape), list_of(scratch.modes), rows.data(),
+                       scratch.moments.data());
+    for (std::size_t r = 0; r < modes; ++r)
+      for (int d = 0; d < D; ++d) c[r][d] = scratch.moments[4 * r + static_cast<std::size_t>(d)];
+    scratch.modes.divide(c);
   };
   const auto each = [&](std::size_t p, const auto& shape, Scratch& scratch) {
     Seen seen = see(shape);
     const bool with_modes = parts.velocity && modes > 0;
-    if (with_modes) {
-      fill_modes(grid, shape_of, particles.x[p], shape, method.velocity, scratch.modes);
-      scratch.modes.coefficients(shape, from.carried, &particles.modes[p * modes], trusted);
-    }
+    if (with_modes) see_modes(particles.x[p], shape, &particles.modes[p * modes], scratch);
     const auto add = [&](const Image<D>& image, std::size_t i) {
       auto& at = scratch.image;
       functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
@@ -65,8 +102,7 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       seen.L += image.gradient(there.L);
       if (!with_modes) return;
       scratch.of_image.resize(modes);
-      fill_modes(grid, shape_of, image.x, at, method.velocity, scratch.modes);
-      scratch.modes.coefficients(at, from.carried, scratch.of_image.data(), trusted);
+      see_modes(image.x, at, scratch.of_image.data(), scratch);
       for (std::size_t r = 0; r < modes; ++r)  // slopes along the axes (problem.cpp)
         particles.modes[p * modes + r] += image.vector(scratch.of_image[r]) *
                                           Image<D>::signs(image.mirrored)[static_cast<int>(r)];
@@ -214,46 +250,53 @@ class Filtered : public SingleMap<D> {
     const Problem<D>& problem = this->problem_;
     const Particles<D>& particles = s.particles;
     const std::vector<double>& mass = step.nodes().mass;
-    std::vector<Vector<D>> left = velocity, back(velocity.size());
-    std::vector<Vector<D>> of_all;  // what particles see of `left`, where copies do not see all
+    const ImageParticles<D>& images = step.nodes().images;
+    const auto kernels = detail::RowKernels<D>::best();
+    std::vector<Vector<D>> left = velocity;
+    std::vector<Vector<D>> of_all;  // what particles see of `left`, where others show it as well
     for (int j = 1; j < problem.method.order; ++j) {
-      std::fill(back.begin(), back.end(), Vector<D>::Zero());
+      const detail::NodeRows from = rows_of<D>(problem, left, nullptr);
+      detail::NodeRows back(left.size(), 4);
+      std::fill(back[0], back[left.size()], 0.0);
       with_shape(problem.method, [&](auto shape_of) {
         using Seen = typename decltype(shape_of)::template Nodes<D>;
-        if (step.parts()) {
+        const auto see = [&](const Seen& at) {
+          alignas(32) std::array<double, 4> four;
+          kernels.take_four(detail::list_of(at), from.data(), four.data());
+          return Vector<D>(Eigen::Map<const Vector<D>>(four.data()));
+        };
+        if (step.parts() || !images.of.empty()) {
           of_all.assign(particles.size(), Vector<D>::Zero());
           for_each_shape<Seen>(
               problem, s, step.nodes(), shape_of,
-              [&](std::size_t p, const Seen& at, Seen&) { of_all[p] = at.value(left, trusted); },
+              [&](std::size_t p, const Seen& at, Seen&) { of_all[p] = see(at); },
               [](std::size_t, std::size_t) {});
-          step.parts()->copy_to(s, of_all);
+          if (step.parts()) step.parts()->copy_to(s, of_all);
         }
-        // Adds what `of` see, by seen(p, their functions).
-        const auto give_back = [&](const Particles<D>& of, const auto& seen) {
+        // Adds what `of` show, shown(p, their functions).
+        const auto give_back = [&](const Particles<D>& of, const auto& shown) {
           const auto rows = [&](std::size_t p) {
             return shape_of.nodes_along(problem.grid, of, p, D - 1);
           };
-          scatter_by_rows<Seen>(of.size(), problem.threads, rows, [&](std::size_t p, Seen& shape) {
-            shape_of.shape(problem.grid, of, p, shape);
-            const Vector<D> v = seen(p, shape);
-            for (std::size_t k = 0; k < shape.size(); ++k)
-              back[shape.node[k]] += shape.S[k] * of.mass[p] * v;
-          });
+          const auto give = [&](std::size_t p, Seen& at) RECON_FLATTEN {
+            shape_of.shape(problem.grid, of, p, at);
+            const Vector<D> v = of.mass[p] * shown(p, at);
+            alignas(32) std::array<double, 4> four{};
+            std::copy(v.begin(), v.end(), four.begin());
+            kernels.give_four(detail::list_of(at), four.data(), back.data());
+          };
+          scatter_by_rows<Seen>(of.size(), problem.threads, rows, give);
         };
         give_back(particles, [&](std::size_t p, const Seen& at) {
-          return of_all.empty() ? at.value(left, trusted) : of_all[p];
+          return of_all.empty() ? see(at) : of_all[p];
         });
-        const ImageParticles<D>& images = step.nodes().images;
         if (images.of.empty()) return;
         give_back(images.particles, [&](std::size_t i, const Seen&) {
-          if (!of_all.empty()) return images.of[i].vector(of_all[images.of[i].of]);
-          Seen at;
-          shape_of.shape(problem.grid, particles, images.of[i].of, at);
-          return images.of[i].vector(at.value(left, trusted));
+          return images.of[i].vector(of_all[images.of[i].of]);
         });
       });
       for (std::size_t i = 0; i < left.size(); ++i)
-        if (mass[i] != 0) left[i] -= back[i] / mass[i];
+        for (int d = 0; d < D && mass[i] != 0; ++d) left[i][d] -= back[i][d] / mass[i];
       step.policies().boundaries.rest(left);
       for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
     }

@@ -20,69 +20,74 @@ struct Scatter {
   const std::vector<Vector<D>>& b;
   const FromParticles& from;
   Nodes<D>& nodes;
+  detail::NodeRows& rows;  // mass, momentum, internal force and stiffness of each node
   const Shape shape_of;
   const Grid<D>& grid = problem.grid;
   const VelocityMap map = problem.method.velocity;
   const std::size_t modes = mode_count(map, D);
+  const detail::RowKernels<D> kernels = detail::RowKernels<D>::best();
 
   struct Scratch {
     typename Shape::template Nodes<D> shape;
     ParticleModes<D, Shape> modes;
-    std::vector<Vector<D>> velocity;  // that the particle shows to each of its nodes
+    std::vector<Vector<D>> offset;     // of the nodes, from the particle
+    std::vector<double> coefficients;  // of the velocity that the particle shows beyond its own
+    detail::Given given{};
   };
 
   void run() const {
-    const auto rows = [&](std::size_t p) {
+    const auto touched = [&](std::size_t p) {
       return shape_of.nodes_along(grid, particles, p, D - 1);
     };
     const auto add = [&](std::size_t p, Scratch& scratch) RECON_FLATTEN { this->add(p, scratch); };
-    scatter_by_rows<Scratch>(particles.size(), problem.threads, rows, add);
+    scatter_by_rows<Scratch>(particles.size(), problem.threads, touched, add);
   }
 
   void add(std::size_t p, Scratch& scratch) const {
     if (from.leaves_out(grid, particles.x[p])) return;
     auto& shape = scratch.shape;
+    detail::Given& given = scratch.given;
     const double volume = functions_of(problem, particles, nodes, shape_of, p, shape);
-    if (map != VelocityMap::taylor && modes == 0) {
-      const Vector<D> v = particles.v[p];
-      return spread(p, volume, shape, [&](std::size_t) -> const Vector<D>& { return v; });
-    }
-    scratch.velocity.assign(shape.size(), particles.v[p]);
-    if (map == VelocityMap::taylor)
+    const double mass = particles.mass[p];
+    for (int d = 0; d < D; ++d) given.value[1 + d] = mass * particles.v[p][d];
+    if (map == VelocityMap::taylor) {
+      scratch.offset.resize(shape.size());
       for (std::size_t k = 0; k < shape.size(); ++k)
-        scratch.velocity[k] += particles.L[p] * (grid.position(shape.node[k]) - particles.x[p]);
-    if (modes > 0) {
+        scratch.offset[k] = grid.position(shape.node[k]) - particles.x[p];
+      given.modes = {scratch.offset.data()->data(), 1, D, D};
+      show_also(scratch, mass,
+                [&](std::size_t d) { return particles.L[p].col(static_cast<int>(d)); });
+    } else if (modes > 0) {
       fill_modes(grid, shape_of, particles.x[p], shape, map, scratch.modes);
-      scratch.modes.add_to(scratch.velocity, shape.size(), &particles.modes[p * modes], trusted);
+      given.modes = list_of(scratch.modes);
+      const Vector<D>* carried = &particles.modes[p * modes];
+      show_also(scratch, mass, [&](std::size_t r) -> const Vector<D>& { return carried[r]; });
     }
-    spread(p, volume, shape,
-           [&](std::size_t k) -> const Vector<D>& { return scratch.velocity[k]; });
+    if (from.mass_and_force) {
+      given.value[0] = mass;
+      const Matrix<D> pull = -volume * particles.stress[p];
+      for (int d = 0; d < D; ++d)
+        for (int c = 0; c < D; ++c) given.slope[d][c] = pull(c, d);
+      if (!nodes.stiffness.empty()) {
+        const Lame& elastic = lame(problem.materials[static_cast<std::size_t>(particles.body[p])]);
+        given.squared = volume * (elastic.lambda + 2 * elastic.mu);
+      }
+      if (!b.empty()) shape.add(nodes.force, Vector<D>(mass * b[p]), trusted);
+    }
+    kernels.give(detail::list_of(shape), given, rows.data());
   }
 
-  // show(k) is the velocity that the particle shows to its node k.
-  template <class At, class Show>
-  void spread(std::size_t p, double volume, const At& shape, const Show& show) const {
-    const double mass = particles.mass[p];
-    if (!from.mass_and_force) {
-      for (std::size_t k = 0; k < shape.size(); ++k)
-        nodes.momentum[shape.node[k]] += shape.S[k] * mass * show(k);
-      return;
-    }
-    const Matrix<D> pull = -volume * particles.stress[p];
-    const Vector<D> push = b.empty() ? Vector<D>::Zero() : Vector<D>(mass * b[p]);
-    for (std::size_t k = 0; k < shape.size(); ++k) {
-      const std::uint32_t i = shape.node[k];
-      const double part = shape.S[k] * mass;
-      nodes.mass[i] += part;
-      nodes.momentum[i] += part * show(k);
-      nodes.force[i] += pull * shape.G[k] + shape.S[k] * push;
-    }
-    if (nodes.stiffness.empty()) return;
-    const Lame& elastic = lame(problem.materials[particles.body[p]]);
-    const double stiffness = volume * (elastic.lambda + 2 * elastic.mu);
-    for (std::size_t k = 0; k < shape.size(); ++k) {
-      nodes.internal[shape.node[k]] += pull * shape.G[k];
-      nodes.stiffness[shape.node[k]] += stiffness * shape.G[k].squaredNorm();
+  // With the coefficients c(r) of the modes; those that the functions cannot tell count as zero.
+  template <class Coefficient>
+  void show_also(Scratch& scratch, double mass, const Coefficient& c) const {
+    const std::size_t count = scratch.given.modes.count;
+    scratch.coefficients.assign(4 * count, 0);
+    scratch.given.coefficients = scratch.coefficients.data();
+    for (std::size_t r = 0; r < count; ++r) {
+      if constexpr (is_product<D, Shape>)
+        if (map != VelocityMap::taylor && !(scratch.modes.norm(static_cast<int>(r)) > 0)) continue;
+      for (int d = 0; d < D; ++d)
+        scratch.coefficients[4 * r + 1 + static_cast<std::size_t>(d)] = mass * c(r)[d];
     }
   }
 };
@@ -212,12 +217,32 @@ class ImlsMap : public FitMap<D> {
 template <int D>
 void MapPolicy<D>::to_nodes(const State<D>& s, const std::vector<Vector<D>>& b,
                             const FromParticles& from, Nodes<D>& nodes) const {
-  with_shape(this->problem_.method, [&](auto shape_of) {
+  const Problem<D>& problem = this->problem_;
+  const std::size_t count = nodes.mass.size();
+  detail::NodeRows rows(count, 8);
+  const auto for_nodes = [&](const auto& work) {
+    parallel_blocks(count, nodes_per_block, problem.threads, work);
+  };
+  for_nodes([&](std::size_t begin, std::size_t end) { std::fill(rows[begin], rows[end], 0.0); });
+  with_shape(problem.method, [&](auto shape_of) {
     using Sum = Scatter<D, decltype(shape_of)>;
-    Sum{this->problem_, s.particles, b, from, nodes, shape_of}.run();
+    Sum{problem, s.particles, b, from, nodes, rows, shape_of}.run();
     const ImageParticles<D>& images = nodes.images;
     if (!images.of.empty())
-      Sum{this->problem_, images.particles, images.body_force, from, nodes, shape_of}.run();
+      Sum{problem, images.particles, images.body_force, from, nodes, rows, shape_of}.run();
+  });
+  for_nodes([&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const double* row = rows[i];
+      nodes.mass[i] += row[0];
+      for (int d = 0; d < D; ++d) {
+        nodes.momentum[i][d] += row[1 + d];
+        nodes.force[i][d] += row[4 + d];
+      }
+      if (nodes.stiffness.empty()) continue;
+      for (int d = 0; d < D; ++d) nodes.internal[i][d] += row[4 + d];
+      nodes.stiffness[i] += row[7];
+    }
   });
 }
 

@@ -73,7 +73,7 @@ class CartesianGrid {
   // cells on each axis, at least one and up to a millionth of it, neighbouring nodes have different
   // coordinates, and there are at most 2^32 - 2 nodes.
   CartesianGrid(const SpaceVector<D>& lower, const SpaceVector<D>& upper, double h)
-      : lower_(lower), h_(h) {
+      : lower_(lower), h_(h), inverse_h_(1 / h) {
     detail::require(h > 0 && std::isfinite(h), "grid spacing", h, "must be positive and finite");
     nodes_.dimension = D;
     for (int d = 0; d < D; ++d) {
@@ -90,6 +90,7 @@ class CartesianGrid {
   }
 
   double h() const { return h_; }
+  double inverse_h() const { return inverse_h_; }  // 1 / h
   const SpaceVector<D>& lower() const { return lower_; }
   double upper(int d) const { return lower_[d] + cells_[d] * h_; }
   int cells(int d) const { return cells_[d]; }
@@ -123,8 +124,7 @@ class CartesianGrid {
   // The index along axis d of the cell that x belongs to. Throws as require_coordinate() does.
   int cell(double x, int d) const {
     require_coordinate(x, d);
-    const double cell = std::floor((x - lower_[d]) / h_);
-    return static_cast<int>(std::clamp(cell, 0.0, cells_[d] - 1.0));
+    return static_cast<int>(std::clamp((x - lower_[d]) / h_, 0.0, cells_[d] - 1.0));
   }
   // The number of the cell of a point, anything with x[d]; the first axis runs fastest, as in
   // cell_centres(nodes()).
@@ -168,7 +168,7 @@ class CartesianGrid {
 
  private:
   SpaceVector<D> lower_ = SpaceVector<D>::Zero();
-  double h_ = 0;
+  double h_ = 0, inverse_h_ = 0;
   std::array<int, D> cells_{};
   StructuredGrid<double> nodes_;
 };

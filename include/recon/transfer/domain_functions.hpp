@@ -98,30 +98,28 @@ void require_box(const CartesianGrid<D>& grid, int d, double x, double l) {
     require_wide_box(grid, d, x, l);
 }
 
-// The averages over [x - l, x + l], summed cell by cell. The outermost cells continue
+// Writes the averages over [x - l, x + l], summed cell by cell. The outermost cells continue
 // beyond the grid.
 template <int D>
-AxisFunctions<AtMost<widest_box>> average(const CartesianGrid<D>& grid, int d, double x, double l) {
-  AxisFunctions<AtMost<widest_box>> axis;
+void average(const CartesianGrid<D>& grid, int d, double x, double l,
+             AxisFunctions<AtMost<widest_box>>& axis) {
   require_box(grid, d, x, l);
-  const double h = grid.h();
+  const double per_h = grid.inverse_h(), per_edge = 1 / (2 * l);
   const int last = grid.cell(x + l, d);
   axis.first = grid.cell(x - l, d);
   axis.count = last - axis.first + 2;
-  std::fill_n(axis.S.begin(), axis.count, 0.0);
-  std::fill_n(axis.G.begin(), axis.count, 0.0);
+  axis.S[0] = axis.G[0] = 0;
   for (int c = axis.first; c <= last; ++c) {
     const double begin = c == axis.first ? x - l : grid.node(c, d);
     const double end = c == last ? x + l : grid.node(c + 1, d);
-    const double part = (end - begin) / (2 * l);
-    const double xi = ((begin + end) / 2 - grid.node(c, d)) / h;
+    const double part = (end - begin) * per_edge;
+    const double xi = ((begin + end) / 2 - grid.node(c, d)) * per_h;
     const int k = c - axis.first;
     axis.S[k] += part * (1 - xi);
-    axis.S[k + 1] += part * xi;
-    axis.G[k] -= part / h;
-    axis.G[k + 1] += part / h;
+    axis.S[k + 1] = part * xi;
+    axis.G[k] -= part * per_h;
+    axis.G[k + 1] = part * per_h;
   }
-  return axis;
 }
 
 // The nodes that the corners of a domain see: those of the box around them or, where that box is
@@ -163,27 +161,37 @@ void from_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
       for (int d = 0; d < D && ++index[d] == first[d] + count[d]; ++d) index[d] = first[d];
     }
   }
+  // From a corner's first node in the list to its others.
+  std::array<std::size_t, corner_count> beyond{};
+  for (int b = 0; b < corner_count; ++b)
+    for (int d = 0, stride = 1; d < D; stride *= count[d], ++d)
+      if (b >> d & 1) beyond[b] += static_cast<std::size_t>(stride);
   for (int a = 0; a < corner_count; ++a) {
-    SpaceVector<D> xi;
-    for (int d = 0; d < D; ++d) xi[d] = (corners[a][d] - grid.node(cell[a][d], d)) / grid.h();
-    for (int b = 0; b < corner_count; ++b) {
-      double N = 1;
-      std::size_t n = 0;
-      std::array<int, D> index;
-      for (int d = D - 1; d >= 0; --d) {
-        const int upper = b >> d & 1;
-        N *= upper ? xi[d] : 1 - xi[d];
-        index[d] = cell[a][d] + upper;
-        n = n * static_cast<std::size_t>(count[d]) + static_cast<std::size_t>(index[d] - first[d]);
+    // The functions of the corner's cell, the first axis fastest.
+    std::array<double, corner_count> N;
+    N[0] = 1;
+    std::size_t begin = 0;
+    for (int d = D - 1; d >= 0; --d) {
+      const double xi = (corners[a][d] - grid.node(cell[a][d], d)) * grid.inverse_h();
+      for (int b = (1 << (D - 1 - d)) - 1; b >= 0; --b) {
+        N[2 * b + 1] = N[b] * xi;
+        N[2 * b] = N[b] * (1 - xi);
       }
+      begin = begin * static_cast<std::size_t>(count[d]) +
+              static_cast<std::size_t>(cell[a][d] - first[d]);
+    }
+    for (int b = 0; b < corner_count; ++b) {
+      std::size_t n = begin + beyond[b];
       if (!gathered) {
+        std::array<int, D> index;
+        for (int d = 0; d < D; ++d) index[d] = cell[a][d] + (b >> d & 1);
         n = static_cast<std::size_t>(a * corner_count + b);
         out.node[n] = grid.number(index);
         out.S[n] = 0;
         out.G[n].setZero();
       }
-      out.S[n] += weight[a] * N;
-      out.G[n] += N * slope[a];
+      out.S[n] += weight[a] * N[b];
+      out.G[n] += N[b] * slope[a];
     }
   }
 }
@@ -220,7 +228,7 @@ struct GimpFunctions {
   [[gnu::noinline]] static void at(const CartesianGrid<D>& grid, const BoxDomain<D>& box,
                                    NodeFunctions<D>& out) {
     std::array<detail::AxisFunctions<AtMost<detail::widest_box>>, D> axes;
-    for (int d = 0; d < D; ++d) axes[d] = detail::average(grid, d, box.x[d], box.half_edges[d]);
+    for (int d = 0; d < D; ++d) detail::average(grid, d, box.x[d], box.half_edges[d], axes[d]);
     detail::tensor_product<D>(grid, axes, out);
   }
   template <int D>

@@ -91,11 +91,13 @@ class PolynomialModes {
       norm_[r] = 1;
       for (int d = 0; d < D; ++d) norm_[r] *= of[d].norm[degree[d]];
       std::array<int, D> k{};
-      for (std::size_t n = 0; n < nodes_; ++n) {
-        double value = 1;
-        for (int d = 0; d < D; ++d) value *= of[d].value[degree[d]][k[d]];
-        value_[static_cast<std::size_t>(r) * nodes_ + n] = value;
-        for (int d = 0; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
+      const double* line = of[0].value[degree[0]];
+      double* to = &value_[static_cast<std::size_t>(r) * nodes_];
+      for (const double* end = to + nodes_; to != end;) {
+        double factor = 1;
+        for (int d = 1; d < D; ++d) factor *= of[d].value[degree[d]][k[d]];
+        for (int i = 0; i < axes[0].count; ++i) *to++ = line[i] * factor;
+        for (int d = 1; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
       }
     }
   }
@@ -106,6 +108,18 @@ class PolynomialModes {
   // s_r at node n, in the order of NodeFunctions.
   double value(int r, std::size_t n) const {
     return value_[static_cast<std::size_t>(r) * nodes_ + n];
+  }
+  // Those of all modes and nodes: s_r at node n is values()[r nodes() + n].
+  const double* values() const { return value_.data(); }
+  std::size_t nodes() const { return nodes_; }
+  // Turns sum_i S_i s_r(x_i) u_i, of all modes, into c_r.
+  template <class Coefficients>
+  void divide(Coefficients&& moments) const {
+    for (int r = 0; r < count_; ++r)
+      if (norm(r) > 0)
+        moments[r] /= norm(r);
+      else
+        moments[r] *= 0;
   }
 
   // c_r of nodal data u; zero where norm_r is.
@@ -223,6 +237,15 @@ class DomainModes {
   int rank() const { return rank_; }
 
   static constexpr int count() { return D; }
+  // s_d at node n is values()[n D + d].
+  const double* values() const { return offset_.data()->data(); }
+  // As of PolynomialModes.
+  template <class Coefficients>
+  void divide(Coefficients&& moments) const {
+    auto slope = columns(moments);
+    slope = (slope * inverse_).eval();
+    for (int d = 0; d < D; ++d) moments[d] = slope.col(d);
+  }
   // c_d, the derivative along axis d, of nodal data u.
   template <class Nodes, class Values, class Coefficients>
   void coefficients(const Nodes& at, const Values& u, Coefficients&& c,
@@ -242,9 +265,9 @@ class DomainModes {
   // As of PolynomialModes.
   template <class Coefficients>
   auto moment(const Coefficients& c) const {
-    Eigen::Matrix<double, std::remove_cvref_t<decltype(c[0])>::SizeAtCompileTime, D> slope;
-    for (int d = 0; d < D; ++d) slope.col(d) = c[d];
-    return decltype(slope)(slope * second_);
+    auto slope = columns(c);
+    slope = (slope * second_).eval();
+    return slope;
   }
   template <class Shown, class Coefficients>
   void add_to(Shown& shown, std::size_t size, const Coefficients& c,
@@ -257,6 +280,12 @@ class DomainModes {
   }
 
  private:
+  template <class Coefficients>
+  static auto columns(const Coefficients& c) {
+    Eigen::Matrix<double, std::remove_cvref_t<decltype(c[0])>::SizeAtCompileTime, D> all;
+    for (int d = 0; d < D; ++d) all.col(d) = c[d];
+    return all;
+  }
   // D^+, where eigenvalues that are not above `least` count as zero.
   void invert(double least) {
     rank_ = D;

@@ -363,6 +363,20 @@ struct NodeFunctions : detail::NodeArrays<D, Count> {
 
 namespace detail {
 
+// Writes the products of the first axis, which has `count` nodes, with S and G of the others.
+// Most often the count is a constant, of which the loop is made.
+template <int D, class Axis, class Count>
+void line_of_products(const AxisFunctions<Axis>& line, const auto count, std::uint32_t first,
+                      double S, const SpaceVector<D>& G, std::size_t n,
+                      NodeFunctions<D, Count>& out) {
+  for (int i = 0; i < count; ++i, ++n) {
+    out.node[n] = first + static_cast<std::uint32_t>(i);
+    out.S[n] = line.S[i] * S;
+    out.G[n][0] = line.G[i] * S;
+    for (int e = 1; e < D; ++e) out.G[n][e] = line.S[i] * G[e];
+  }
+}
+
 // The products of the functions of all axes; the first axis runs fastest.
 template <int D, class Axis, class Count>
 void tensor_product(const CartesianGrid<D>& grid, const std::array<AxisFunctions<Axis>, D>& axes,
@@ -384,12 +398,16 @@ void tensor_product(const CartesianGrid<D>& grid, const std::array<AxisFunctions
       for (int e = 1; e < D; ++e) G[e] *= e == d ? axes[d].G[k[d]] : value;
     }
     const std::uint32_t first = grid.number(index);
-    for (int i = 0; i < line.count; ++i, ++n) {
-      out.node[n] = first + static_cast<std::uint32_t>(i);
-      out.S[n] = line.S[i] * S;
-      out.G[n][0] = line.G[i] * S;
-      for (int e = 1; e < D; ++e) out.G[n][e] = line.S[i] * G[e];
-    }
+    const auto write = [&](const auto length) {
+      line_of_products<D>(line, length, first, S, G, n, out);
+    };
+    if (line.count == 2)
+      write(std::integral_constant<int, 2>{});
+    else if (line.count == 3 && Axis::most > 2)
+      write(std::integral_constant<int, 3>{});
+    else
+      write(line.count);
+    n += static_cast<std::size_t>(line.count);
     for (int d = 1; d < D && ++k[d] == axes[d].count; ++d) k[d] = 0;
   }
 }

@@ -62,21 +62,22 @@ namespace detail {
 // some of its mass, and with it its velocity.
 inline constexpr double hair = 1e-14;
 
-// The linear functions of a cell; xi runs from 0 to 1 over it.
+// The linear functions of a cell; xi runs from 0 to 1 over it. Here and below `per_h` is 1 / h.
 template <class Count = Exactly<2>>
-AxisFunctions<Count> linear_axis(double xi, double h, int cell) {
+AxisFunctions<Count> linear_axis(double xi, double per_h, int cell) {
   AxisFunctions<Count> axis;
   axis.first = cell;
   axis.set_count(2);
   axis.S[0] = 1 - xi;
   axis.S[1] = xi;
-  axis.G[0] = -1 / h;
-  axis.G[1] = 1 / h;
+  axis.G[0] = -per_h;
+  axis.G[1] = per_h;
   return axis;
 }
+// At s cells from the lower face.
 template <class Count = Exactly<2>>
-AxisFunctions<Count> linear_axis_at(double x, double lower, double h, int cell) {
-  return linear_axis<Count>(std::clamp((x - lower) / h - cell, hair, 1 - hair), h, cell);
+AxisFunctions<Count> linear_axis_at(double s, double per_h, int cell) {
+  return linear_axis<Count>(std::clamp(s - cell, hair, 1 - hair), per_h, cell);
 }
 
 // The quadratic functions of the element that spans cells 2 e and 2 e + 1; xi runs from
@@ -147,34 +148,33 @@ struct CellSplines {
 // A cell has the mean of its two nodes. Where a cell beyond a face counts, its outer node has
 // 2 u_0 - u_1 as with splines: the cell is mirrored about the face.
 template <int degree>
-AxisFunctions<AtMost<degree + 2>> cell_axis_at(double x, double lower, double h, int cells,
+AxisFunctions<AtMost<degree + 2>> cell_axis_at(double s, double per_h, int cells,
                                                SplineBorder border) {
   AxisFunctions<AtMost<degree + 2>> axis;
-  const double s = (x - lower) / h;
   const int cell = std::clamp(static_cast<int>(s), 0, cells - 1);
   if (border == SplineBorder::linear_cells && (cell == 0 || cell == cells - 1))
-    return linear_axis_at<AtMost<degree + 2>>(x, lower, h, cell);
+    return linear_axis_at<AtMost<degree + 2>>(s, per_h, cell);
   const CellSplines<degree> at(s, cells);
   axis.first = at.first;
   axis.set_count(degree + 2);
   for (int n = 0; n < degree + 2; ++n) {
     const double before = n > 0 ? at.k[n - 1] : 0, after = n <= degree ? at.k[n] : 0;
     axis.S[n] = (before + after) / 2;
-    axis.G[n] = (before - after) / h;
+    axis.G[n] = (before - after) * per_h;
   }
   end_splines(axis, cells, border);
   return axis;
 }
 
 template <int degree>
-AxisFunctions<AtMost<degree + 1>> spline_axis_at(double x, double lower, double h, int cells,
+AxisFunctions<AtMost<degree + 1>> spline_axis_at(double s, double per_h, int cells,
                                                  SplineBorder border) {
   static_assert(degree == 2 || degree == 3);
   AxisFunctions<AtMost<degree + 1>> axis;
-  const double s = std::clamp((x - lower) / h, hair, cells * (1 - hair));
+  s = std::clamp(s, hair, cells * (1 - hair));
   const int cell = std::min(static_cast<int>(s), cells - 1);
   if (border == SplineBorder::linear_cells && (cell == 0 || cell == cells - 1))
-    return linear_axis_at<AtMost<degree + 1>>(x, lower, h, cell);
+    return linear_axis_at<AtMost<degree + 1>>(s, per_h, cell);
   axis.set_count(degree + 1);
   if constexpr (degree == 2) {
     const int nearest = static_cast<int>(s + 0.5);
@@ -183,9 +183,9 @@ AxisFunctions<AtMost<degree + 1>> spline_axis_at(double x, double lower, double 
     axis.S[0] = (0.5 - z) * (0.5 - z) / 2;
     axis.S[1] = 0.75 - z * z;
     axis.S[2] = (0.5 + z) * (0.5 + z) / 2;
-    axis.G[0] = (z - 0.5) / h;
-    axis.G[1] = -2 * z / h;
-    axis.G[2] = (z + 0.5) / h;
+    axis.G[0] = (z - 0.5) * per_h;
+    axis.G[1] = -2 * z * per_h;
+    axis.G[2] = (z + 0.5) * per_h;
   } else {
     const double xi = s - cell, rest = 1 - xi;
     axis.first = cell - 1;
@@ -193,10 +193,10 @@ AxisFunctions<AtMost<degree + 1>> spline_axis_at(double x, double lower, double 
     axis.S[1] = 2.0 / 3 - xi * xi * (2 - xi) / 2;
     axis.S[2] = 2.0 / 3 - rest * rest * (2 - rest) / 2;
     axis.S[3] = xi * xi * xi / 6;
-    axis.G[0] = -rest * rest / (2 * h);
-    axis.G[1] = xi * (1.5 * xi - 2) / h;
-    axis.G[2] = -rest * (1.5 * rest - 2) / h;
-    axis.G[3] = xi * xi / (2 * h);
+    axis.G[0] = -rest * rest * (per_h / 2);
+    axis.G[1] = xi * (1.5 * xi - 2) * per_h;
+    axis.G[2] = -rest * (1.5 * rest - 2) * per_h;
+    axis.G[3] = xi * xi * (per_h / 2);
   }
   end_splines(axis, cells, border);
   return axis;
@@ -206,7 +206,7 @@ struct LinearAxis {
   using AxisCount = Exactly<2>;
   template <int D>
   AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
-    return linear_axis_at(x, grid.lower()[d], grid.h(), grid.cell(x, d));
+    return linear_axis_at((x - grid.lower()[d]) / grid.h(), grid.inverse_h(), grid.cell(x, d));
   }
 };
 
@@ -215,7 +215,7 @@ struct ContinuedLinearAxis {
   template <int D>
   AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
     const int cell = grid.cell(x, d);
-    return linear_axis((x - grid.lower()[d]) / grid.h() - cell, grid.h(), cell);
+    return linear_axis((x - grid.lower()[d]) / grid.h() - cell, grid.inverse_h(), cell);
   }
 };
 
@@ -247,7 +247,8 @@ struct SplineAxis {
   template <int D>
   AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
     grid.require_coordinate(x, d);
-    return spline_axis_at<degree>(x, grid.lower()[d], grid.h(), grid.cells(d), border);
+    return spline_axis_at<degree>((x - grid.lower()[d]) / grid.h(), grid.inverse_h(), grid.cells(d),
+                                  border);
   }
 };
 
@@ -259,7 +260,8 @@ struct CellAxis {
   template <int D>
   AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
     grid.require_coordinate(x, d);
-    return cell_axis_at<degree>(x, grid.lower()[d], grid.h(), grid.cells(d), border);
+    return cell_axis_at<degree>((x - grid.lower()[d]) / grid.h(), grid.inverse_h(), grid.cells(d),
+                                border);
   }
 };
 
