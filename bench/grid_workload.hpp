@@ -48,6 +48,14 @@ class GridWorkload {
   }
 
   std::size_t particles() const { return points_.size(); }
+  const recon::PointList<Scalar, 3>& places() const { return points_; }
+  // Where the field is a velocity.
+  std::vector<Point> velocities() const {
+    std::vector<Point> u(points_.size());
+    for (std::size_t p = 0; p < u.size(); ++p)
+      for (int c = 0; c < 3; ++c) u[p][static_cast<std::size_t>(c)] = values_[index(p, c)];
+    return u;
+  }
   const recon::StructuredGrid<Scalar>& grid() const { return grid_; }
 
   recon::Options options(int threads, recon::InstructionSet set) const {

@@ -9,6 +9,8 @@
 namespace recon_bench {
 namespace {
 
+constexpr double beyond_goal = 32;  // bytes
+
 constexpr recon::Solver solvers[] = {recon::Solver::moment_matrix, recon::Solver::gram_schmidt};
 
 template <int D, int Degree>
@@ -30,7 +32,14 @@ void measure(Lab& lab, const CloudSetting& setting, Table& table) {
     const auto list = call.find(cloud);
     row("recon construct" + with, heap_use([&] { fit.emplace(call.construct(cloud, list)); }));
     fit.reset();
-    row("recon all" + with, heap_use([&] { fit.emplace(call.reconstruct(cloud)); }));
+    const HeapUse all = heap_use([&] { fit.emplace(call.reconstruct(cloud)); });
+    row("recon all" + with, all);
+    if (solver == recon::Solver::moment_matrix) {
+      const double entries = 12 * static_cast<double>(fit->values().entries()) / targets;
+      const double beyond = static_cast<double>(all.after) / targets - entries;
+      lab.summary.at_most(setting.name(), "memory kept per target beyond entries of 12 bytes",
+                          beyond, beyond_goal, beyond / beyond_goal, 1);
+    }
     fit.reset();
   }
   hand_written::Neighbours<double> list;

@@ -11,7 +11,7 @@ namespace recon_bench {
 namespace {
 
 constexpr std::size_t calls = 20;
-constexpr double calls_goal = 1.3, update_goal = 0.7, trusted_goal = 1.05, checked_goal = 1.25;
+constexpr double calls_goal = 1.3, update_goal = 0.5, trusted_goal = 1, checked_goal = 1.25;
 
 template <int D>
 using Points = recon::PointList<double, D>;
