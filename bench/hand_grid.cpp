@@ -9,7 +9,9 @@ namespace hand_written {
 namespace {
 
 typedef double Eight __attribute__((vector_size(64)));
-Eight all(double a) { return Eight{a, a, a, a, a, a, a, a}; }
+Eight all(double a) {
+  return Eight{a, a, a, a, a, a, a, a};
+}
 Eight load(const double* from) {
   Eight v;
   std::memcpy(&v, from, sizeof(v));
@@ -18,9 +20,9 @@ Eight load(const double* from) {
 
 // Moments of a node: 1; r_d; r_d r_e, d <= e; then for each component u and u r_d.
 constexpr int moments = 22, first_square = 4, first_velocity = 10;
-constexpr int together = 3;                                          // products in registers at once
+constexpr int together = 3;  // products in registers at once
 constexpr int products = (moments + together - 1) / together * together;
-constexpr int most = 32;                                             // particles of one block
+constexpr int most = 32;  // particles of one block
 
 // Weights at the nodes -1, 0, 1, 2 of a cell, at f in [0, 1) from its lower face.
 std::array<double, 4> spline(double f) {
@@ -151,8 +153,8 @@ std::vector<std::array<double, 3>> velocity_on_grid(const std::vector<std::array
   for (std::size_t p = 0; p < n; ++p) {
     std::size_t cell = 0;
     for (int d = 2; d >= 0; --d)
-      cell = cell * along + static_cast<std::size_t>(
-                                std::clamp(static_cast<int>(x[p][d] * cells), 0, cells - 1));
+      cell = cell * along +
+             static_cast<std::size_t>(std::clamp(static_cast<int>(x[p][d] * cells), 0, cells - 1));
     cell_of[p] = static_cast<std::uint32_t>(cell);
   }
   std::vector<std::uint32_t> begin(cell_count + 2, 0);
@@ -210,7 +212,8 @@ std::vector<std::array<double, 3>> velocity_on_grid(const std::vector<std::array
         for (Slab& slab : slabs) {
           if (z + 1 < slab.from || z + 1 >= slab.from + slab.planes) continue;
           const double* from = slab.at(z + 1, y + 1) + i + 1;
-          for (int q = 0; q < moments; ++q) m[q] += load(from + static_cast<std::size_t>(q) * slab.row);
+          for (int q = 0; q < moments; ++q)
+            m[q] += load(from + static_cast<std::size_t>(q) * slab.row);
         }
         solve(m, v);
         auto* to = &velocity[(static_cast<std::size_t>(z) * static_cast<std::size_t>(nodes) +

@@ -252,6 +252,7 @@ class DelimitedFrame : public TextFrames {
 
   ParticleTable read() override {
     std::optional<ColumnParser> parser;
+    std::size_t rows = 0;
     const Header header = for_each_row(
         file(), *options_,
         [&](const Header& begun) {
@@ -259,12 +260,13 @@ class DelimitedFrame : public TextFrames {
           parser.emplace(file(), begun.names);
         },
         [&](const std::vector<Cell>& cells) {
+          if (!options_->takes(rows++)) return;
           for (std::size_t c = 0; c < cells.size(); ++c) parser->add_cell(c, cells[c].text);
           parser->end_row();
         });
     ParticleTable table = std::move(*parser).finish(options_->missing);
     table.remarks.insert(table.remarks.end(), header.remarks.begin(), header.remarks.end());
-    info_.particles = table.size();
+    info_.particles = rows;
     return table;
   }
 

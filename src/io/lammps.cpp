@@ -256,14 +256,16 @@ void add_unscaled(ParticleTable& table, const SimulationCell& cell) {
   if (!done.empty()) table.remarks.push_back("scaled by the box: " + done);
 }
 
-ParticleTable read_atoms(TextFile& file, const Frame& frame,
-                         const std::vector<std::string>& missing) {
+ParticleTable read_atoms(TextFile& file, const Frame& frame, const ReadOptions& options) {
   ColumnParser parser(file, frame.info.columns);
-  parser.reserve(frame.info.particles);
+  parser.reserve(frame.info.particles / static_cast<std::size_t>(options.parts) + 1);
   std::vector<std::string_view> cells;
   for (std::size_t i = 0; i < frame.info.particles; ++i) {
-    split_at_blanks(atom_line(file, frame, i), cells);
+    const std::string_view text = atom_line(file, frame, i);
+    if (!options.takes(i) && file.line_is_closed()) continue;
+    split_at_blanks(text, cells);
     require_cells(file, frame, cells.size());
+    if (!options.takes(i)) continue;  // the last line of a file that may be cut
     for (std::size_t c = 0; c < cells.size(); ++c) parser.add_cell(c, cells[c]);
     parser.end_row();
   }
@@ -278,7 +280,7 @@ ParticleTable read_atoms(TextFile& file, const Frame& frame,
     break;
   }
   file.go_to(behind);
-  return std::move(parser).finish(missing);
+  return std::move(parser).finish(options.missing);
 }
 
 class LammpsFrames : public TextFrames {
@@ -289,7 +291,7 @@ class LammpsFrames : public TextFrames {
   void skip() override { skip_atoms(file(), frame_); }
 
   ParticleTable read() override {
-    ParticleTable table = read_atoms(file(), frame_, options_->missing);
+    ParticleTable table = read_atoms(file(), frame_, *options_);
     table.step = frame_.info.step;
     table.time = frame_.info.time;
     table.units = frame_.info.units;

@@ -125,6 +125,9 @@ struct FrameReader::State {
   explicit State(const ReadOptions& asked, const Source&... from) : options(asked) {
     for (const std::string& name : options.columns)
       require(!name.empty(), "name of a column", "''", "must not be empty");
+    require(options.parts >= 1, "parts", options.parts, "must be at least 1");
+    require(options.part >= 0 && options.part < options.parts, "part", options.part,
+            "must be from 0 to parts - 1");
     detail::ByteSource bytes(from...);
     path = bytes.path();
     constexpr std::size_t enough = 1024;
@@ -199,6 +202,11 @@ struct FrameReader::State {
         table = source->read();
       } catch (const InvalidArgument& error) {  // a box or columns that no table can have
         throw FileError(path, source->info().line, error.what());
+      }
+      if (!text && options.parts > 1) {
+        std::vector<bool> taken(table->size());
+        for (std::size_t row = 0; row < taken.size(); ++row) taken[row] = options.takes(row);
+        table->keep_rows(taken);
       }
       table->source = path.filename().string();
       if (source->is_series()) table->source += ", frame " + std::to_string(number);

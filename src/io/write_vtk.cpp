@@ -15,6 +15,7 @@
 
 #include "escaped.hpp"
 #include "number_text.hpp"
+#include "recon/fields/utf8.hpp"
 #include "recon/io/atomic_file.hpp"
 #include "recon/io/write.hpp"
 
@@ -151,21 +152,28 @@ void append_bytes_of(std::string& bytes, double value, NumberType type) {
   }
 }
 
+// Name and components, as they are written.
+std::string attributes_of(const NamedField& field, const ComponentPlaces& places) {
+  const int written = places.places > 0 ? places.places : field.components;
+  std::string attributes = "Name=\"" + detail::escaped(field.name) + "\" NumberOfComponents=\"" +
+                           std::to_string(written) + "\"";
+  for (int place = 0; place < places.places; ++place)
+    attributes += " ComponentName" + std::to_string(place) + "=\"" +
+                  name_of_place(place, places.places) + "\"";
+  return attributes;
+}
+
 // Vectors and tensors have the components of 3-D, as filters for arrows, warps and stream lines
 // want them; those that the data do not have are 0.
 void describe_fields(VtkFile& file, const FieldSet& fields, int dimension) {
   file.xml("<PointData>\n");
   for (const NamedField& field : fields) {
     const ComponentPlaces places = component_places(field, dimension);
-    const int written = places.places > 0 ? places.places : field.components;
-    std::string attributes = "Name=\"" + detail::escaped(field.name) + "\" NumberOfComponents=\"" +
-                             std::to_string(written) + "\"";
-    for (int place = 0; place < places.places; ++place)
-      attributes += " ComponentName" + std::to_string(place) + "=\"" +
-                    name_of_place(place, places.places) + "\"";
-    const auto count = static_cast<std::size_t>(written);
+    const auto count =
+        static_cast<std::size_t>(places.places > 0 ? places.places : field.components);
     const auto components = static_cast<std::size_t>(field.components);
-    file.array(attributes, type_name(field.type), field.size() * count, type_size(field.type),
+    file.array(attributes_of(field, places), type_name(field.type), field.size() * count,
+               type_size(field.type),
                [&field, places, count, components](std::string& bytes, std::size_t i) {
                  if (places.places == 0) return append_bytes_of(bytes, field.values[i], field.type);
                  const int from = places.from[i % count];
@@ -177,12 +185,8 @@ void describe_fields(VtkFile& file, const FieldSet& fields, int dimension) {
   file.xml("</PointData>\n");
 }
 
-}  // namespace
-
-void write_vti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
-               const FieldSet& fields) {
-  grid.validate();
-  fields.require_size(grid.size());
+// WholeExtent, Origin and Spacing of a grid; Extent of a piece of it.
+std::string attributes_of(const StructuredGrid<double>& grid) {
   std::string extent, origin, spacing;
   for (int d = 0; d < max_dimension; ++d) {
     const bool used = d < grid.dimension;
@@ -192,13 +196,69 @@ void write_vti(const std::filesystem::path& path, const StructuredGrid<double>& 
     detail::append_number(origin, used ? grid.origin[d] : 0.0);
     detail::append_number(spacing, used ? grid.spacing[d] : 1.0);
   }
+  return "WholeExtent=\"" + extent + "\" Origin=\"" + origin + "\" Spacing=\"" + spacing + "\"";
+}
+std::string extent_of(const GridPiece& piece) {
+  std::string extent;
+  for (int d = 0; d < max_dimension; ++d)
+    extent += (d > 0 ? " " : "") + std::to_string(piece.first[d]) + " " +
+              std::to_string(piece.first[d] + piece.counts[d] - 1);
+  return "Extent=\"" + extent + "\"";
+}
+
+void require_piece(const StructuredGrid<double>& grid, const GridPiece& piece) {
+  for (int d = 0; d < max_dimension; ++d) {
+    const std::size_t there = d < grid.dimension ? grid.counts[d] : 1;
+    if (piece.counts[d] >= 1 && piece.first[d] < there && piece.counts[d] <= there - piece.first[d])
+      continue;
+    detail::throw_invalid(
+        "nodes of a piece along axis " + std::to_string(d),
+        std::to_string(piece.counts[d]) + " from " + std::to_string(piece.first[d]),
+        "must be at least one, of the " + std::to_string(there) + " of the grid");
+  }
+}
+
+}  // namespace
+
+void write_vti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+               const FieldSet& fields) {
+  GridPiece all;
+  for (int d = 0; d < grid.dimension; ++d) all.counts[d] = grid.counts[d];
+  write_vti_piece(path, grid, all, fields);
+}
+
+void write_vti_piece(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+                     const GridPiece& piece, const FieldSet& fields) {
+  grid.validate();
+  require_piece(grid, piece);
+  fields.require_size(piece.size());
   VtkFile file(path, "ImageData");
-  file.xml("<ImageData WholeExtent=\"" + extent + "\" Origin=\"" + origin + "\" Spacing=\"" +
-           spacing + "\">\n");
+  file.xml("<ImageData " + attributes_of(grid) + ">\n");
   describe_time(file, fields);
-  file.xml("<Piece Extent=\"" + extent + "\">\n");
+  file.xml("<Piece " + extent_of(piece) + ">\n");
   describe_fields(file, fields, grid.dimension);
   file.xml("</Piece>\n");
+  file.commit();
+}
+
+void write_pvti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+                const std::vector<GridPieceFile>& pieces, const FieldSet& fields) {
+  grid.validate();
+  for (const GridPieceFile& one : pieces) {
+    require_piece(grid, one.piece);
+    const std::string name = one.file.generic_string();
+    detail::require(is_utf8(name), "name of the file of a piece", to_utf8(name), "must be UTF-8");
+  }
+  VtkFile file(path, "PImageData");
+  file.xml("<PImageData " + attributes_of(grid) + " GhostLevel=\"0\">\n");
+  file.xml("<PPointData>\n");
+  for (const NamedField& field : fields)
+    file.xml("<PDataArray type=\"" + std::string(type_name(field.type)) + "\" " +
+             attributes_of(field, component_places(field, grid.dimension)) + "/>\n");
+  file.xml("</PPointData>\n");
+  for (const GridPieceFile& one : pieces)
+    file.xml("<Piece " + extent_of(one.piece) + " Source=\"" +
+             detail::escaped(one.file.generic_string()) + "\"/>\n");
   file.commit();
 }
 

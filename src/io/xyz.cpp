@@ -235,10 +235,11 @@ class XyzFrames : public TextFrames {
 
   ParticleTable read() override {
     ColumnParser parser(file(), frame_.info.columns);
-    parser.reserve(frame_.info.particles);
+    parser.reserve(frame_.info.particles / static_cast<std::size_t>(options_->parts) + 1);
     std::vector<std::string_view> cells;
     for (std::size_t i = 0; i < frame_.info.particles; ++i) {
       particle_line(file(), frame_, i, cells);
+      if (!options_->takes(i)) continue;
       for (std::size_t c = 0; c < cells.size(); ++c)
         parser.add_cell(c, cell_of(file(), frame_.info.columns[c], frame_.types[c], cells[c]));
       parser.end_row();

@@ -101,6 +101,16 @@ struct ReadOptions {
   // In HDF5: the name of the group of particles (H5MD) or of their species (openPMD). It may be
   // left out where there is only one, and must be for other formats.
   std::string group = {};
+  // Only one of several parts of the particles, which together are all: `part` of `parts`, counted
+  // from 0, in turns of 256 rows. The text of other rows is passed over unread; a VTK file, or a
+  // frame of HDF5, is read as a whole before the others are dropped. FrameInfo and
+  // list_frames() are of all particles.
+  int part = 0, parts = 1;
+
+  // Whether a row of the file belongs to the part.
+  bool takes(std::size_t row) const {
+    return row / 256 % static_cast<std::size_t>(parts) == static_cast<std::size_t>(part);
+  }
 };
 
 // Lists all complete frames in the order of the file, whatever frame the options ask for. Delimited

@@ -4,6 +4,7 @@
 //   .vti   write_vti   fields at the nodes of a structured grid (VTK ImageData)
 //   .vtp   write_vtp   fields at scattered points (VTK PolyData, one vertex per point)
 //   .pvd   write_pvd   a series of such files with their times (ParaView collection)
+//   .pvti  write_pvti  a grid whose nodes are in several .vti files (write_vti_piece)
 //
 // write() chooses by the extension. All of them write the whole file or none of it
 // (atomic_file.hpp).
@@ -29,6 +30,7 @@
 // not finite, two columns of one name. Trouble with the file throws FileError.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -54,6 +56,25 @@ struct TimedFile {
 };
 // Throws InvalidArgument for a time that is not finite, and for a name that is not UTF-8.
 void write_pvd(const std::filesystem::path& path, const std::vector<TimedFile>& files);
+
+// The nodes first[d], ..., first[d] + counts[d] - 1 of a grid along each axis. Pieces beside each
+// other share the nodes between them, as their cells need them.
+struct GridPiece {
+  std::array<std::size_t, max_dimension> first{}, counts{1, 1, 1};
+  std::size_t size() const { return counts[0] * counts[1] * counts[2]; }
+};
+// The fields have a value for each node of the piece, the first axis fastest. Throws
+// InvalidArgument for a piece without nodes or with nodes that the grid does not have.
+void write_vti_piece(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+                     const GridPiece& piece, const FieldSet& fields);
+// The file that names the pieces, by their names relative to its folder; of `fields` it takes
+// names, components and types. It must be written last: ParaView then reads them all.
+struct GridPieceFile {
+  GridPiece piece;
+  std::filesystem::path file;
+};
+void write_pvti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
+                const std::vector<GridPieceFile>& pieces, const FieldSet& fields);
 
 // Chooses by the extension: .csv or .vti for a grid, .csv or .vtp for points. FileError for others.
 void write(const std::filesystem::path& path, const StructuredGrid<double>& grid,

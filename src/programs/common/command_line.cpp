@@ -15,7 +15,9 @@
 #include "programs/common/build_options.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
+#include "programs/common/launch.hpp"
 #include "programs/common/manual.hpp"
+#include "programs/common/text.hpp"
 
 namespace recon::program {
 
@@ -77,6 +79,10 @@ std::vector<std::string> arguments(int argc, char** argv) {
   return words;
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
@@ -116,8 +122,7 @@ void check_names(const Front& front, const CLI::App& app, const std::vector<std:
   const std::vector<std::string> names = option_names(*command);
   for (std::size_t i = first; i < words.size(); ++i) {
     const std::string name = words[i].substr(0, words[i].find('='));
-    if (!looks_like_option(words[i]) || std::find(names.begin(), names.end(), name) != names.end())
-      continue;
+    if (!looks_like_option(words[i]) || contains(names, name)) continue;
     fail_usage("unknown option '" + name + "'; " + suggest(name, names) + "\nSee " + front.name +
                " " + (first == 1 ? words[0] + " " : "") + "--help.");
   }
@@ -182,8 +187,15 @@ int run(const Front& front, const std::string& description, int argc, char** arg
   } catch (const CLI::ParseError& error) {
     fail_usage(error.what());
   }
-  for (const auto& [name, command] : commands)
-    if (app.got_subcommand(name)) command();
+  for (const auto& [name, command] : commands) {
+    if (!app.got_subcommand(name)) continue;
+    if (const int ranks = launched().size; ranks > 1 && !contains(front.on_ranks, name))
+      fail_usage(
+          "mpirun has started " + std::to_string(ranks) + " processes, and " + name +
+          " is for one" +
+          (front.on_ranks.empty() ? "" : "; on several runs " + enumeration(front.on_ranks)));
+    command();
+  }
   require_printed();
   return success;
 }
@@ -199,8 +211,8 @@ int run_program(const Front& front, const std::string& description, int argc, ch
   };
   try {
     return run(front, description, argc, argv, add);
-  } catch (const ProgramError& error) {
-    return fail(error.code(), error.what());
+  } catch (const ProgramError& error) {  // the same on all ranks: the first one says it
+    return launched().rank > 0 ? error.code() : fail(error.code(), error.what());
   } catch (const InvalidArgument& error) {
     return fail(wrong_usage, error.what());
   } catch (const std::bad_alloc&) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -18,6 +19,8 @@ struct Front {
   std::string name;  // of the program
   // Answers a first word that is a file rather than a command, or is empty.
   std::string file_hint;
+  // The commands that run where mpirun has started several processes; the others refuse.
+  std::vector<std::string> on_ranks{};
 };
 
 // Parses the arguments and runs the subcommand. The exit code; whatever is wrong is said on the

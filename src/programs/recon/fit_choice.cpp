@@ -42,7 +42,7 @@ std::string leverage_check(const std::string& text) {
 // smooths no less. Beside walls fits with two amplify errors more.
 std::size_t suggested_neighbours(const Particles& particles, int degree) {
   return std::min<std::size_t>(3 * monomial_count(particles.dimension, std::max(degree, 1)),
-                               particles.size());
+                               particles.in_all);
 }
 
 }  // namespace
@@ -204,9 +204,9 @@ FitOptions fit_options(const FitChoice& choice, const Method& method, const Part
                   : choice.limit == "relaxed" ? Limit::relaxed
                                               : Limit::none;
   if (const auto distance = to_number(choice.max_distance)) options.max_distance = *distance;
-  if (choice.k && *choice.k > particles.size())
+  if (choice.k && *choice.k > particles.in_all)
     fail_usage("--k " + std::to_string(*choice.k) + ": there are " +
-               counted(particles.size(), "particle") + " only");
+               counted(particles.in_all, "particle") + " only");
   if (choice.k && choice.radius)
     options.neighbours = NearestWithin{*choice.k, *choice.radius};
   else if (choice.k)

@@ -20,7 +20,7 @@ void set_particles(Json& object, const Particles& particles) {
   if (table.step) object.set("step", *table.step);
   if (table.time) object.set("time", *table.time);
   if (!table.units.empty()) object.set("units", table.units);
-  object.set("particles", particles.size()).set("dimension", particles.dimension);
+  object.set("particles", particles.in_all).set("dimension", particles.dimension);
   Json coordinates = Json::array();
   const Box<double> extent = bounding_box(particles.positions());
   for (int d = 0; d < particles.dimension; ++d) {

@@ -4,7 +4,7 @@
 int main(int argc, char** argv) {
   using namespace recon::program;
   return run_program(
-      {.name = "recon", .file_hint = "info"},
+      {.name = "recon", .file_hint = "info", .on_ranks = {"map"}},
       "recon turns scattered particle data into fields: values and gradients on grids, by "
       "weighted\n"
       "least squares (Shepard, MLS, IMLS) with a report for every node.\n\n"

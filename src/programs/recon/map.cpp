@@ -4,9 +4,11 @@
 #include "commands.hpp"
 #include "frames.hpp"
 #include "json_summary.hpp"
+#include "map_ranks.hpp"
 #include "map_series.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
+#include "programs/common/launch.hpp"
 #include "summary.hpp"
 
 namespace recon::program {
@@ -15,8 +17,9 @@ namespace {
 
 void run(const MapOptions& options) {
   if (options.input.file.empty()) fail_usage("map: the FILE is missing; see recon map --help");
-  check_options(options);
   const Method method = read_method(options.method, options.fit);
+  if (launched().size > 1) return map_on_ranks(options, method);
+  check_options(options);
   if (options.average) return map_average(options, method);
   if (is_series(options.input)) return map_series(options, method);
   const MapJob job = prepare(options, method, read_input(options.input));

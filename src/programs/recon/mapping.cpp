@@ -50,76 +50,42 @@ void add_reports(FieldSet& fields, const std::vector<FitReport>& reports,
              NumberType::int32);
 }
 
+void append(const Eigen::MatrixXd& rows, std::vector<std::vector<double>>& columns) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const auto column = rows.col(static_cast<Eigen::Index>(c));
+    columns[c].insert(columns[c].end(), column.begin(), column.end());
+  }
+}
+
 class Mapper {
  public:
   Mapper(const Particles& particles, const FieldPlan& plan, const FitOptions& options,
          std::size_t targets, bool gradient)
-      : particles_(particles),
-        plan_(plan),
+      : plan_(plan),
         options_(options),
         sources_(particles.positions(), options.sources()),
-        gradient_(gradient) {
+        fields_(particles, plan, gradient, targets) {
     options_.domain = {};  // the Sources have it, and the weights
     options_.particle_weights = {};
-    for (const PlannedField& field : plan)
-      for (const std::string& column : field.columns) place_of(column);
-    if (!columns_.empty()) data_ = particles.table.field("fields", columns_);
-    values_.resize(columns_.size());
-    for (auto& column : values_) column.reserve(targets);
-    slopes_.resize(gradient ? columns_.size() * particles.dimension : 0);
-    for (auto& column : slopes_) column.reserve(targets);
     sums_.resize(plan.size());
   }
 
   void add(const PointsView<double>& targets) {
     const Reconstruction fit = reconstruct(sources_, targets, options_);
-    reports_.insert(reports_.end(), fit.report().all().begin(), fit.report().all().end());
     LimitCount limited;
     limited.components.resize(targets.size());
-    if (!columns_.empty())
-      append(fit.apply(data_.view(), {.limit = options_.limit, .count = &limited}), values_);
-    limited_.components.insert(limited_.components.end(), limited.components.begin(),
-                               limited.components.end());
-    if (!columns_.empty() && gradient_) append(fit.gradient().apply(data_.view()), slopes_);
+    Eigen::MatrixXd values, slopes;
+    if (const auto& data = fields_.data()) {
+      values = fit.apply(data->view(), {.limit = options_.limit, .count = &limited});
+      if (fields_.gradient()) slopes = fit.gradient().apply(data->view());
+    }
+    fields_.add(fit.report().all(), values, slopes, limited);
     if (has_sums(plan_)) add_sums(targets, fit);
   }
 
-  Mapped result() {
-    Mapped mapped;
-    for (std::size_t f = 0; f < plan_.size(); ++f) {
-      if (plan_[f].is_kernel_sum())
-        mapped.fields.add(plan_[f].name, 1, std::move(sums_[f]));
-      else
-        add_mapped(plan_[f], mapped.fields);
-    }
-    mapped.fields.step = particles_.table.step;
-    mapped.fields.time = particles_.table.time;
-    add_reports(mapped.fields, reports_, limited_);
-    limited_.total();
-    mapped.limited = std::move(limited_);
-    mapped.reports = FitReports(std::move(reports_), *options_.solver);
-    const FitSummary& summary = mapped.reports.summary();
-    mapped.values = columns_.size() * (summary.targets - summary.no_support - summary.too_far);
-    return mapped;
-  }
+  Mapped result() { return fields_.result(*options_.solver, std::move(sums_)); }
 
  private:
-  std::size_t place_of(const std::string& column) {
-    const auto at = std::find(columns_.begin(), columns_.end(), column);
-    if (at == columns_.end()) {
-      columns_.push_back(column);
-      return columns_.size() - 1;
-    }
-    return static_cast<std::size_t>(at - columns_.begin());
-  }
-
-  static void append(const Eigen::MatrixXd& rows, std::vector<std::vector<double>>& columns) {
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const auto column = rows.col(static_cast<Eigen::Index>(c));
-      columns[c].insert(columns[c].end(), column.begin(), column.end());
-    }
-  }
-
   // Over the support of each target's fit, or one of the sums' own.
   void add_sums(const PointsView<double>& targets, const Reconstruction& fit) {
     std::vector<double> radii(targets.size());
@@ -140,33 +106,11 @@ class Mapper {
     }
   }
 
-  void add_mapped(const PlannedField& field, FieldSet& fields) {
-    const std::size_t components = field.columns.size();
-    std::vector<double> values(reports_.size() * components);
-    for (std::size_t c = 0; c < components; ++c) {
-      const std::vector<double>& column = values_[place_of(field.columns[c])];
-      for (std::size_t t = 0; t < column.size(); ++t) values[t * components + c] = column[t];
-    }
-    fields.add(field.name, static_cast<int>(components), std::move(values));
-    if (!gradient_) return;
-    const std::size_t dimension = static_cast<std::size_t>(particles_.dimension);
-    const std::vector<std::string> names = gradient_names(field, particles_.letters);
-    for (std::size_t i = 0; i < names.size(); ++i)
-      fields.add(names[i], 1,
-                 slopes_[place_of(field.columns[i / dimension]) * dimension + i % dimension]);
-  }
-
-  const Particles& particles_;
   const FieldPlan& plan_;
   FitOptions options_;
   Sources sources_;
-  bool gradient_;
-  std::vector<std::string> columns_;  // of the particles, each once
-  NamedField data_;
-  std::vector<std::vector<double>> values_, slopes_;  // per column, and per column and axis
-  std::vector<std::vector<double>> sums_;             // per field of the plan
-  std::vector<FitReport> reports_;
-  LimitCount limited_;
+  MappedFields fields_;
+  std::vector<std::vector<double>> sums_;  // per field of the plan
 };
 
 }  // namespace
@@ -185,6 +129,68 @@ std::vector<std::string> gradient_names(const PlannedField& field, const std::st
     for (const char letter : letters)
       names.push_back("d" + (field.columns.size() == 1 ? field.name : column) + "_d" + letter);
   return names;
+}
+
+MappedFields::MappedFields(const Particles& particles, const FieldPlan& plan, bool gradient,
+                           std::size_t targets)
+    : particles_(particles), plan_(plan), gradient_(gradient) {
+  for (const PlannedField& field : plan)
+    for (const std::string& column : field.columns)
+      if (std::find(columns_.begin(), columns_.end(), column) == columns_.end())
+        columns_.push_back(column);
+  if (!columns_.empty()) data_ = particles.table.field("fields", columns_);
+  values_.resize(columns_.size());
+  for (auto& column : values_) column.reserve(targets);
+  slopes_.resize(gradient ? columns_.size() * static_cast<std::size_t>(particles.dimension) : 0);
+  for (auto& column : slopes_) column.reserve(targets);
+}
+
+void MappedFields::add(std::span<const FitReport> reports, const Eigen::MatrixXd& values,
+                       const Eigen::MatrixXd& slopes, const LimitCount& limited) {
+  reports_.insert(reports_.end(), reports.begin(), reports.end());
+  append(values, values_);
+  append(slopes, slopes_);
+  limited_.components.insert(limited_.components.end(), limited.components.begin(),
+                             limited.components.end());
+}
+
+Mapped MappedFields::result(Solver asked, std::vector<std::vector<double>> sums) {
+  Mapped mapped;
+  for (std::size_t f = 0; f < plan_.size(); ++f) {
+    if (plan_[f].is_kernel_sum())
+      mapped.fields.add(plan_[f].name, 1, std::move(sums[f]));
+    else
+      add_mapped(plan_[f], mapped.fields);
+  }
+  mapped.fields.step = particles_.table.step;
+  mapped.fields.time = particles_.table.time;
+  add_reports(mapped.fields, reports_, limited_);
+  limited_.total();
+  mapped.limited = std::move(limited_);
+  mapped.reports = FitReports(std::move(reports_), asked);
+  const FitSummary& summary = mapped.reports.summary();
+  mapped.values = columns_.size() * (summary.targets - summary.no_support - summary.too_far);
+  return mapped;
+}
+
+void MappedFields::add_mapped(const PlannedField& field, FieldSet& fields) {
+  const auto place_of = [&](const std::string& column) {
+    return static_cast<std::size_t>(std::find(columns_.begin(), columns_.end(), column) -
+                                    columns_.begin());
+  };
+  const std::size_t components = field.columns.size();
+  std::vector<double> values(reports_.size() * components);
+  for (std::size_t c = 0; c < components; ++c) {
+    const std::vector<double>& column = values_[place_of(field.columns[c])];
+    for (std::size_t t = 0; t < column.size(); ++t) values[t * components + c] = column[t];
+  }
+  fields.add(field.name, static_cast<int>(components), std::move(values));
+  if (!gradient_) return;
+  const std::size_t dimension = static_cast<std::size_t>(particles_.dimension);
+  const std::vector<std::string> names = gradient_names(field, particles_.letters);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    fields.add(names[i], 1,
+               slopes_[place_of(field.columns[i / dimension]) * dimension + i % dimension]);
 }
 
 Mapped map_fields(const Particles& particles, const FieldPlan& plan, const FitOptions& options,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "frames.hpp"
@@ -20,29 +21,47 @@ namespace {
 
 constexpr std::array<const char*, max_dimension> axis_names{"x", "y", "z"};
 
-std::vector<LeftOut> find_left_out(const ParticleTable& table,
+// The least and the greatest number of a column of all particles; NaN where one is NaN.
+struct ColumnRange {
+  double least, greatest;
+  bool is_one() const { return least == greatest; }
+};
+ColumnRange range_of_column(const Everyone& everyone, const std::vector<double>& values) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  ColumnRange range{infinity, -infinity};
+  std::size_t not_numbers = 0;
+  for (const double value : values) {
+    range.least = std::min(range.least, value);
+    range.greatest = std::max(range.greatest, value);
+    not_numbers += std::isnan(value) ? 1 : 0;
+  }
+  range = {everyone.least(range.least), everyone.greatest(range.greatest)};
+  if (everyone.sum(not_numbers) > 0) range = {std::nan(""), std::nan("")};
+  return range;
+}
+
+std::vector<LeftOut> find_left_out(const Everyone& everyone, const ParticleTable& table,
+                                   const std::vector<std::string>& all,
                                    const std::vector<std::string>& used) {
   std::vector<LeftOut> found;
-  for (const std::string& name : table.all_coordinates()) {
+  for (const std::string& name : all) {
     if (std::find(used.begin(), used.end(), name) != used.end()) continue;
-    const std::vector<double>& values = table.raw_column(name);
-    const bool same = std::all_of(values.begin(), values.end(),
-                                  [&](double value) { return value == values.front(); });
+    const ColumnRange range = range_of_column(everyone, table.raw_column(name));
     found.push_back({name, axis_of_coordinate(name), {}});
-    if (same) found.back().place = values.front();
+    if (range.is_one()) found.back().place = range.least;
   }
   return found;
 }
 
-void keep_where(const InputOptions& options, ParticleTable& table) {
+void keep_where(const InputOptions& options, const Everyone& everyone, ParticleTable& table) {
   if (options.where.empty()) return;
-  const std::vector<bool> kept = rows_where(options.where, table);
-  const std::size_t all = kept.size();
-  table.keep_rows(kept);
-  if (table.size() == 0)
+  const std::size_t all = everyone.sum(table.size());
+  everyone.together([&] { table.keep_rows(rows_where(options.where, table)); });
+  const std::size_t kept = everyone.sum(table.size());
+  if (kept == 0)
     fail_usage("--where '" + options.where + "': is true of none of the " +
                counted(all, "particle") + " of " + table.source);
-  table.remarks.push_back("where " + options.where + ": " + count(table.size()) + " of " +
+  table.remarks.push_back("where " + options.where + ": " + count(kept) + " of " +
                           counted(all, "particle"));
 }
 
@@ -122,7 +141,7 @@ double box_spacing(const Particles& particles) {
   double longest = 0;
   for (int d = 0; d < particles.dimension; ++d)
     longest = std::max(longest, particles.extent.extent(d));
-  const double wanted = static_cast<double>(particles.size());
+  const double wanted = static_cast<double>(particles.in_all);
   if (!(longest > 0) || (wanted == 1 && !particles.domain.any())) return 0;
   double least = longest * 1e-12, greatest = longest * 2;
   for (int i = 0; i < 200; ++i) {
@@ -168,7 +187,7 @@ std::string Particles::describe() const {
     if (domain.periodic[d]) periodic.push_back(axes[d]);
   std::string text = table.source;
   if (table.time) text += ", time " + number(*table.time, 10);
-  text += ": " + counted(size(), "particle") + " in " + std::to_string(dimension) + "-D";
+  text += ": " + counted(in_all, "particle") + " in " + std::to_string(dimension) + "-D";
   if (!left_out.empty()) {
     text += " (" + enumeration(axes);
     for (const LeftOut& each : left_out)
@@ -276,20 +295,29 @@ namespace {
 // Where the particles are, what is periodic, how dense they are.
 void measure(Particles& particles) {
   const InputOptions& options = particles.options;
-  const auto positions = with_exit_code(wrong_input, [&] { return particles.positions(); });
-  particles.extent = bounding_box(positions, "particles");
-
-  const std::optional<Box<double>> bounds = read_bounds(options.bounds, particles.dimension);
-  particles.domain = choose_domain(options, particles, bounds);
+  const Everyone& everyone = *particles.everyone;
+  particles.in_all = everyone.sum(particles.size());
+  std::optional<Box<double>> bounds;
+  everyone.together([&] {
+    const auto positions = with_exit_code(wrong_input, [&] { return particles.positions(); });
+    particles.extent = Box<double>::empty(particles.dimension);
+    if (particles.size() > 0) particles.extent = bounding_box(positions, "particles");
+    bounds = read_bounds(options.bounds, particles.dimension);
+    particles.domain = choose_domain(options, particles, bounds);
+  });
   for (int d = 0; d < particles.dimension; ++d) {
+    particles.extent.lower[d] = everyone.least(particles.extent.lower[d]);
+    particles.extent.upper[d] = everyone.greatest(particles.extent.upper[d]);
     if (!particles.domain.periodic[d]) continue;
     particles.extent.lower[d] = particles.domain.lower[d];
     particles.extent.upper[d] = particles.domain.upper[d];
   }
-  particles.spacing = particles.box_spacing = box_spacing(particles);
-  // Where particles fill their box the two agree, up to what borders and chance do.
-  if (const double local = local_spacing(particles); local > 0 && local < 0.8 * particles.spacing)
-    particles.spacing = local;
+  if (everyone.size() == 1) {
+    particles.spacing = particles.box_spacing = box_spacing(particles);
+    // Where particles fill their box the two agree, up to what borders and chance do.
+    if (const double local = local_spacing(particles); local > 0 && local < 0.8 * particles.spacing)
+      particles.spacing = local;
+  }
   particles.region = bounds.value_or(particles.extent);
   particles.grid_domain = particles.domain;
   for (int d = 0; d < particles.dimension; ++d)
@@ -299,12 +327,27 @@ void measure(Particles& particles) {
 }
 
 // Whether any particle went.
-bool drop_missing(ParticleTable& table, const std::vector<std::string>& columns) {
-  const bool some =
-      with_exit_code(wrong_input, [&] { return table.leave_out_missing(columns); }) > 0;
-  if (table.size() == 0)
+bool drop_missing(const Everyone& everyone, ParticleTable& table,
+                  const std::vector<std::string>& columns) {
+  std::size_t dropped = 0;
+  everyone.together([&] {
+    dropped = with_exit_code(wrong_input, [&] { return table.leave_out_missing(columns); });
+  });
+  if (everyone.sum(table.size()) == 0)
     fail_input(table.source + ": no particle has a value in " + enumeration(columns));
-  return some;
+  return everyone.sum(dropped) > 0;
+}
+
+// A coordinate that is the same for all particles does not count, though it may be another one in
+// each part of them.
+void choose_varying(const Everyone& everyone, int wanted, const std::vector<std::string>& all,
+                    ParticleTable& table) {
+  std::vector<std::string> varying;
+  for (const std::string& name : all)
+    if (!range_of_column(everyone, table.raw_column(name)).is_one()) varying.push_back(name);
+  if (varying.empty() || (wanted > 0 && varying.size() != static_cast<std::size_t>(wanted)))
+    varying = all;
+  table.set_coordinates(varying);
 }
 
 }  // namespace
@@ -334,27 +377,36 @@ Particles read_input(const InputOptions& options) {
       options);
 }
 
-Particles make_particles(ParticleTable read, const InputOptions& options) {
+Particles make_particles(ParticleTable read, const InputOptions& options,
+                         const Everyone& everyone) {
   Particles particles;
   particles.options = options;
+  particles.everyone = &everyone;
   particles.table = std::move(read);
   ParticleTable& table = particles.table;
-  if (table.size() == 0) fail_input(table.source + ": there are no particles");
-  keep_where(options, table);
+  particles.in_all = everyone.sum(table.size());
+  if (particles.in_all == 0) fail_input(table.source + ": there are no particles");
+  keep_where(options, everyone, table);
   choose_coordinates(options, table);
+  std::vector<std::string> all;
+  everyone.together(
+      [&] { all = with_exit_code(wrong_input, [&] { return table.all_coordinates(); }); });
+  const bool detect = options.coordinates.empty() && everyone.size() > 1;
+  if (detect) choose_varying(everyone, options.dimension, all, table);
   // A coordinate that is missing somewhere is no constant: without those particles it may be one.
-  drop_missing(table, with_exit_code(wrong_input, [&] { return table.coordinates(); }));
-  particles.dimension = choose_dimension(options, table);
+  drop_missing(everyone, table, with_exit_code(wrong_input, [&] { return table.coordinates(); }));
+  if (detect) choose_varying(everyone, options.dimension, all, table);
+  everyone.together([&] { particles.dimension = choose_dimension(options, table); });
   particles.axes = table.coordinates(particles.dimension);
-  drop_missing(table, particles.axes);
+  drop_missing(everyone, table, particles.axes);
   for (const int axis : table.axes(particles.dimension)) particles.letters += axis_names[axis];
-  particles.left_out = find_left_out(table, particles.axes);
+  particles.left_out = find_left_out(everyone, table, all, particles.axes);
   measure(particles);
   return particles;
 }
 
 void leave_out_missing(Particles& particles, const std::vector<std::string>& columns) {
-  if (drop_missing(particles.table, columns)) measure(particles);
+  if (drop_missing(*particles.everyone, particles.table, columns)) measure(particles);
 }
 
 double suggested_spacing(const Particles& particles) {

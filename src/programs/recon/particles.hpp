@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "everyone.hpp"
 #include "recon/fields/particle_table.hpp"
 #include "recon/io/read.hpp"
 #include "recon/points/structured_grid.hpp"
@@ -45,6 +46,10 @@ struct LeftOut {
 struct Particles {
   InputOptions options;
   ParticleTable table;
+  // Who has read the rest, where the table holds a part of the particles only. What follows is of
+  // all of them.
+  const Everyone* everyone = &Everyone::alone();
+  std::size_t in_all = 0;
   int dimension = 0;
   std::vector<std::string> axes;  // names of the coordinate columns
   std::string letters;            // "xz": which of x, y, z each of them is, for derived names
@@ -55,6 +60,7 @@ struct Particles {
   PeriodicDomain<double> grid_domain;  // periodic where the region covers the whole period
   // Of the particles, a length: that of a regular lattice of as many points in the extent, or that
   // of their own density where they do not fill the extent; 0 if all are at one place.
+  // Not known (0) where no process has all particles.
   double spacing = 0;
   double box_spacing = 0;  // the former
 
@@ -77,10 +83,12 @@ ReadOptions read_options(const InputOptions& options);
 // Ends with wrong_input for what is wrong with the file, wrong_usage for what is with the options:
 // also for a choice of several frames.
 Particles read_input(const InputOptions& options);
-// The particles of a table that was read.
-Particles make_particles(ParticleTable table, const InputOptions& options);
+// The particles of a table that was read; with others who have read the rest (collective).
+Particles make_particles(ParticleTable table, const InputOptions& options,
+                         const Everyone& everyone = Everyone::alone());
 
 // Leaves out the particles without a value in one of these columns, which are to be used.
+// Collective.
 void leave_out_missing(Particles& particles, const std::vector<std::string>& columns);
 
 // A spacing of targets near that of the particles, of one or two digits; not less than half of

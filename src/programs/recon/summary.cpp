@@ -22,9 +22,8 @@ FieldRange range_of(const NamedField& field, int component) {
 
 namespace {
 
-std::string describe_range(const NamedField& field, int component) {
-  const FieldRange found = range_of(field, component);
-  if (found.missing == field.size()) return "no value anywhere";
+std::string describe_range(const FieldRange& found, std::size_t targets) {
+  if (found.missing == targets) return "no value anywhere";
   return range(found.least, found.greatest) +
          (found.missing > 0 ? " (nan at " + count(found.missing) + ")" : "");
 }
@@ -42,7 +41,11 @@ std::string describe_method(const Method& method, const FitChoice& choice) {
 }
 
 void print_fit(const Mapped& mapped, const FitChoice& choice) {
-  const FitSummary& summary = mapped.reports.summary();
+  print_fit(mapped.reports.summary(), mapped.limited, mapped.values, choice);
+}
+
+void print_fit(const FitSummary& summary, const LimitCount& limited, std::size_t values,
+               const FitChoice& choice) {
   const auto share_of = [](std::size_t part, std::size_t all) {
     const double percent = 100.0 * static_cast<double>(part) / static_cast<double>(all);
     const bool nearly_all = part < all && percent > 99.9;
@@ -70,13 +73,21 @@ void print_fit(const Mapped& mapped, const FitChoice& choice) {
                                    number(summary.largest_amplification, 3) + " times");
   if (choice.limit == "none")
     print_line("limited", "nothing (--limit none)");
-  else if (mapped.values > 0)
-    print_line("limited", share_of(mapped.limited.values, mapped.values) + " of the values, at " +
-                              counted(mapped.limited.targets, "target") + " (--limit " +
-                              choice.limit + ")");
+  else if (values > 0)
+    print_line("limited", share_of(limited.values, values) + " of the values, at " +
+                              counted(limited.targets, "target") + " (--limit " + choice.limit +
+                              ")");
 }
 
 void print_fields(const FieldSet& fields) {
+  print_fields(
+      fields, [](const NamedField& field, int component) { return range_of(field, component); },
+      fields.begin() == fields.end() ? 0 : fields.begin()->size());
+}
+
+void print_fields(const FieldSet& fields,
+                  const std::function<FieldRange(const NamedField&, int)>& range,
+                  std::size_t targets) {
   std::size_t width = 0;
   for (const NamedField& field : fields) width = std::max(width, field.name.size() + 2);
   std::string_view heading = "fields";
@@ -85,7 +96,7 @@ void print_fields(const FieldSet& fields) {
     for (int c = 0; c < field.components; ++c) {
       std::string name = field.name + component_suffix(field, c, field.components);
       name.resize(std::max(name.size(), width), ' ');
-      print_line(heading, name + "  " + describe_range(field, c));
+      print_line(heading, name + "  " + describe_range(range(field, c), targets));
       heading = "";
     }
   }

@@ -1,6 +1,7 @@
 // What a run did, for the reader of the terminal.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,9 @@ std::string describe_method(const Method& method, const FitChoice& choice);
 
 // Lines about full, reduced and missing fits, the neighbours, the conditioning and the limit.
 void print_fit(const Mapped& mapped, const FitChoice& choice);
+// `values`: how many there are, of which `limited` were limited.
+void print_fit(const FitSummary& summary, const LimitCount& limited, std::size_t values,
+               const FitChoice& choice);
 // Least and greatest of a component; NaN where no target has a value.
 struct FieldRange {
   double least, greatest;
@@ -25,6 +29,10 @@ struct FieldRange {
 FieldRange range_of(const NamedField& field, int component);
 // The ranges of the fields.
 void print_fields(const FieldSet& fields);
+// Those that `range` gives for each component, of so many targets.
+void print_fields(const FieldSet& fields,
+                  const std::function<FieldRange(const NamedField&, int)>& range,
+                  std::size_t targets);
 // What was noticed when the file was read.
 void print_remarks(const ParticleTable& table);
 

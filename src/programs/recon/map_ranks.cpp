@@ -1,0 +1,321 @@
+#include "map_ranks.hpp"
+
+#include "programs/common/errors.hpp"
+#include "programs/common/launch.hpp"
+
+#ifdef RECON_PROGRAM_HAS_PETSC
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include "frames.hpp"
+#include "outputs.hpp"
+#include "programs/common/text.hpp"
+#include "recon/io/write.hpp"
+#include "recon/petsc/reconstruct.hpp"
+#include "source.hpp"
+#include "summary.hpp"
+
+namespace recon::program {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// The ranks of all processes that were started together.
+class Ranks : public Everyone {
+ public:
+  int size() const override { return all_.size(); }
+  int rank() const { return all_.rank(); }
+
+  // What fails on several ranks is what the first of them says.
+  void together(const std::function<void()>& work) const override {
+    int code = success;
+    std::string what;
+    try {
+      work();
+    } catch (const ProgramError& error) {
+      code = error.code();
+      what = error.what();
+    } catch (const InvalidArgument& error) {
+      code = wrong_usage;
+      what = error.what();
+    } catch (const std::exception& error) {
+      code = internal_error;
+      what = error.what();
+    }
+    const auto failed = static_cast<int>(sum(code == success ? 0 : 1));
+    if (failed == 0) return;
+    const int first = static_cast<int>(least(code == success ? size() : rank()));
+    int length = static_cast<int>(what.size());
+    MPI_Bcast(&code, 1, MPI_INT, first, all_.get());
+    MPI_Bcast(&length, 1, MPI_INT, first, all_.get());
+    what.resize(static_cast<std::size_t>(length));
+    MPI_Bcast(what.data(), length, MPI_CHAR, first, all_.get());
+    throw ProgramError(static_cast<ExitCode>(code),
+                       failed == size() ? what : "rank " + std::to_string(first) + ": " + what);
+  }
+  std::size_t sum(std::size_t number) const override {
+    return static_cast<std::size_t>(all_.sum(static_cast<long long>(number)));
+  }
+  double greatest(double number) const override { return all_.largest(number); }
+  MPI_Comm get() const { return all_.get(); }
+
+ private:
+  petsc::Session session_{0, nullptr};
+  petsc::Communicator all_{MPI_COMM_WORLD};
+};
+
+// What is found by default from all particles at once, and what fits across ranks do not have.
+void require_possible(const MapOptions& options, const std::string& ranks) {
+  std::vector<std::string> missing, beyond;
+  if (!options.spacing) missing.push_back("--spacing H");
+  if (!options.fit.k && !options.fit.radius) missing.push_back("--radius R (or --k K)");
+  if (options.fit.limit != "none") missing.push_back("--limit none");
+  if (options.fit.max_distance != "none") missing.push_back("--max-distance none");
+  if (!missing.empty())
+    fail_usage("on " + ranks + " say also " + enumeration(missing) +
+               ": the defaults are found from all particles at once");
+  if (is_series(options.input)) beyond.push_back("several frames");
+  if (options.average) beyond.push_back("--average");
+  if (options.targets != "grid") beyond.push_back("--targets");
+  if (!options.picture.file.empty()) beyond.push_back("--picture");
+  if (options.json) beyond.push_back("--json");
+  if (options.fit.unsupported == "nearest") beyond.push_back("--unsupported nearest");
+  if (!beyond.empty())
+    fail_usage(enumeration(beyond) + " is for one process; this one was started with others, on " +
+               ranks);
+  if (options.outputs.size() != 1 || fs::path(options.outputs[0]).extension() != ".pvti")
+    fail_usage("on " + ranks + " one --out FILE.pvti is written, and a .vti file of each rank");
+}
+
+// The planes of nodes of a rank, across the axis with most nodes: `begin` to `end`, and one more for
+// the cells between it and the next rank.
+struct Slab {
+  int axis = 0;
+  std::size_t begin = 0, end = 0, shown = 0;
+
+  Slab(const StructuredGrid<double>& grid, int rank, int ranks) {
+    for (int d = 1; d < grid.dimension; ++d)
+      if (grid.counts[d] > grid.counts[axis]) axis = d;
+    const std::size_t n = grid.counts[axis], r = static_cast<std::size_t>(rank);
+    begin = n * r / static_cast<std::size_t>(ranks);
+    end = n * (r + 1) / static_cast<std::size_t>(ranks);
+    shown = begin == end ? end : std::min(end + 1, n);
+  }
+  GridPiece piece(const StructuredGrid<double>& grid, std::size_t from, std::size_t to) const {
+    GridPiece one;
+    for (int d = 0; d < grid.dimension; ++d) one.counts[d] = grid.counts[d];
+    one.first[axis] = from;
+    one.counts[axis] = to - from;
+    return one;
+  }
+};
+
+// Nodes of a piece, the first axis fastest, as the whole grid has them to the bit.
+struct PieceNodes {
+  std::array<std::vector<double>, max_dimension> x;
+  std::vector<std::size_t> plane;  // along the axis of the slab
+
+  PieceNodes(const StructuredGrid<double>& grid, const GridPiece& piece, int axis) {
+    std::array<std::size_t, max_dimension> i{};
+    for (std::size_t n = 0; n < piece.size(); ++n) {
+      for (int d = 0; d < grid.dimension; ++d)
+        x[d].push_back(grid.coordinate(piece.first[d] + i[d], d));
+      plane.push_back(piece.first[axis] + i[axis]);
+      for (int d = 0; d < max_dimension && ++i[d] == piece.counts[d]; ++d) i[d] = 0;
+    }
+  }
+};
+
+// Sums and extremes of the summaries of all ranks.
+FitSummary of_all(const Ranks& ranks, const FitSummary& own) {
+  FitSummary all;
+  for (const auto count : {&FitSummary::targets, &FitSummary::full, &FitSummary::reduced,
+                           &FitSummary::nearest, &FitSummary::no_support, &FitSummary::too_far,
+                           &FitSummary::handed_over})
+    all.*count = ranks.sum(own.*count);
+  const double neighbours = own.mean_neighbours * static_cast<double>(own.targets);
+  all.mean_neighbours = static_cast<double>(ranks.sum(static_cast<std::size_t>(
+                            std::llround(neighbours)))) /
+                        static_cast<double>(all.targets);
+  const double fewest =
+      own.targets > 0 ? static_cast<double>(own.fewest_neighbours) : std::numeric_limits<double>::max();
+  all.fewest_neighbours = static_cast<std::size_t>(ranks.least(fewest));
+  all.most_neighbours =
+      static_cast<std::size_t>(ranks.greatest(static_cast<double>(own.most_neighbours)));
+  all.smallest_pivot = ranks.least(own.smallest_pivot);
+  all.largest_amplification = ranks.greatest(own.largest_amplification);
+  return all;
+}
+
+fs::path piece_name(const fs::path& out, int rank) {
+  return out.stem().string() + "_" + std::to_string(rank) + ".vti";
+}
+
+}  // namespace
+
+void map_on_ranks(const MapOptions& options, const Method& method) {
+  const int size = launched().size;
+  require_possible(options, counted(static_cast<std::size_t>(size), "rank"));
+  const Ranks ranks;
+  const fs::path out = options.outputs[0];
+  ranks.together([&] {
+    if (ranks.size() != size)
+      throw ProgramError(internal_error, "MPI has " + std::to_string(ranks.size()) +
+                                             " ranks where " + std::to_string(size) +
+                                             " were started: is it the MPI of this mpirun?");
+    if (ranks.rank() == 0) check_files(options.outputs, inputs_of(options));
+  });
+
+  ParticleTable read;
+  ranks.together([&] {
+    ReadOptions how = read_options(options.input);
+    how.part = ranks.rank();
+    how.parts = ranks.size();
+    read = with_exit_code(wrong_input, [&] { return read_source(options.input.file, how); });
+  });
+  Particles particles = make_particles(std::move(read), options.input, ranks);
+  ranks.together([&] { check_weight_by(options.fit, particles); });
+  FieldPlan plan;
+  ranks.together([&] { plan = plan_fields(particles, options.fields, options.components); });
+  // A column may be text in one part of the file alone.
+  std::string names;
+  for (const PlannedField& field : plan) names += field.name + "\n" + enumeration(field.columns);
+  const auto hash = static_cast<double>(std::hash<std::string>{}(names) >> 12);
+  FitOptions fit;
+  StructuredGrid<double> grid;
+  ranks.together([&] {
+    if (has_sums(plan))
+      fail_usage("density, number_density and solid_fraction are for one process");
+    fit = fit_options(options.fit, method, particles);
+    grid = with_exit_code(wrong_usage, [&] {
+      return covering_grid(particles.region, *options.spacing, particles.grid_domain);
+    });
+    if (!std::is_sorted(particles.letters.begin(), particles.letters.end()) ||
+        !std::string("xyz").starts_with(particles.letters))
+      fail_usage("coordinates other than x, x,y or x,y,z are for one process");
+  });
+  if (ranks.least(hash) != ranks.greatest(hash))
+    fail_input("columns of the file hold text in a part of it: name those that are wanted with --fields");
+
+  // As many targets at once as on one process.
+  const Slab slab(grid, ranks.rank(), ranks.size());
+  const std::size_t plane = grid.size() / grid.counts[slab.axis];
+  constexpr std::size_t most_targets = 500'000;
+  const std::size_t step = std::max<std::size_t>(1, most_targets / plane);
+  const auto turns = static_cast<std::size_t>(
+      ranks.greatest(std::ceil(static_cast<double>(slab.shown - slab.begin) / static_cast<double>(step))));
+  Progress progress("mapping", turns, options.quiet || ranks.rank() > 0);
+  MappedFields fields(particles, plan, options.gradient, (slab.shown - slab.begin) * plane);
+  std::vector<FitReport> own;  // without the plane that the next rank has, too
+  for (std::size_t turn = 0; turn < turns; ++turn) {
+    const std::size_t from = std::min(slab.begin + turn * step, slab.shown);
+    const std::size_t to = std::min(from + step, slab.shown);
+    const PieceNodes nodes(grid, slab.piece(grid, from, to), slab.axis);
+    const petsc::Reconstruction at(ranks.get(), particles.positions(),
+                                   points_of_axes(nodes.x, grid.dimension), fit);
+    Eigen::MatrixXd values, slopes;
+    if (const auto& data = fields.data()) {
+      values = at.values().apply(data->view());
+      if (options.gradient) slopes = at.gradient().apply(data->view());
+    }
+    LimitCount limited;
+    limited.components.resize(nodes.plane.size());
+    fields.add(at.report().all(), values, slopes, limited);
+    for (std::size_t n = 0; n < nodes.plane.size(); ++n)
+      if (nodes.plane[n] < slab.end) own.push_back(at.report()[n]);
+    progress.advance(1);
+  }
+  const Mapped mapped = fields.result(method.solver);
+
+  // Pieces take their names when all of them are written, and then the file that lists them.
+  const fs::path piece = out.parent_path() / piece_name(out, ranks.rank());
+  const fs::path unfinished = piece.string() + ".part";
+  const bool any = slab.begin < slab.end;
+  const auto on_disk = [&](const auto& work) {
+    ranks.together([&] { with_exit_code(no_output, work); });
+  };
+  try {
+    on_disk([&] {
+      if (any) write_vti_piece(unfinished, grid, slab.piece(grid, slab.begin, slab.shown), mapped.fields);
+    });
+  } catch (const ProgramError&) {
+    std::error_code ignored;
+    fs::remove(unfinished, ignored);
+    throw;
+  }
+  on_disk([&] {
+    std::error_code error;
+    if (any) fs::rename(unfinished, piece, error);
+    if (error) throw FileError(piece, 0, "cannot be written: " + error.message());
+  });
+  on_disk([&] {
+    if (ranks.rank() > 0) return;
+    std::vector<GridPieceFile> pieces;
+    for (int rank = 0; rank < ranks.size(); ++rank)
+      if (const Slab its(grid, rank, ranks.size()); its.begin < its.end)
+        pieces.push_back({its.piece(grid, its.begin, its.shown), piece_name(out, rank)});
+    write_pvti(out, grid, pieces, mapped.fields);
+  });
+
+  const FitSummary summary = of_all(ranks, FitReports(std::move(own), method.solver).summary());
+  std::vector<FieldRange> found;
+  for (const NamedField& field : mapped.fields) {
+    if (field.name == report_names().front()) break;
+    for (int c = 0; c < field.components; ++c) {
+      FieldRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+      const FieldView<double> values = field.view();
+      // Planes across the last axis that counts stand one behind the other only there.
+      const GridPiece shown = slab.piece(grid, slab.begin, slab.shown);
+      std::array<std::size_t, max_dimension> i{};
+      for (std::size_t n = 0; n < field.size(); ++n) {
+        if (i[slab.axis] + slab.begin < slab.end) {
+          const double value = values(n, c);
+          range.missing += std::isnan(value) ? 1 : 0;
+          range.least = std::fmin(range.least, value);
+          range.greatest = std::fmax(range.greatest, value);
+        }
+        for (int d = 0; d < max_dimension && ++i[d] == shown.counts[d]; ++d) i[d] = 0;
+      }
+      found.push_back({ranks.least(range.least), ranks.greatest(range.greatest), ranks.sum(range.missing)});
+    }
+  }
+  const auto particles_of = [&](bool most) {
+    const auto own_count = static_cast<double>(particles.size());
+    return count(static_cast<std::size_t>(most ? ranks.greatest(own_count) : ranks.least(own_count)));
+  };
+  const std::string least = particles_of(false), most = particles_of(true);
+  if (options.quiet || ranks.rank() > 0) return;
+  std::printf("%s\n", particles.describe().c_str());
+  print_remarks(particles.table);
+  print_line("ranks", std::to_string(ranks.size()) + ", which have read " +
+                          (least == most ? least : least + " to " + most) + " particles each");
+  print_line("method", describe_method(method, options.fit));
+  print_line("support", describe_support(options.fit, method, particles, false));
+  print_line("targets", "grid of " + counted(grid.size(), "node"));
+  print_fit(summary, {}, 0, options.fit);
+  std::size_t next = 0;
+  print_fields(mapped.fields, [&](const NamedField&, int) { return found[next++]; }, grid.size());
+  print_line("time", number(progress.seconds(), 2) + " s");
+  print_written({out.string()}, "and a .vti file of each rank beside it");
+}
+
+}  // namespace recon::program
+
+#else
+
+namespace recon::program {
+
+void map_on_ranks(const MapOptions&, const Method&) {
+  fail_usage("mpirun has started " + std::to_string(launched().size) +
+             " copies of this program, which was built without RECON_BUILD_PETSC: each would do all "
+             "of the work, and write the same files");
+}
+
+}  // namespace recon::program
+
+#endif
