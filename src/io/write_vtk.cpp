@@ -251,6 +251,7 @@ void write_pvti(const std::filesystem::path& path, const StructuredGrid<double>&
   }
   VtkFile file(path, "PImageData");
   file.xml("<PImageData " + attributes_of(grid) + " GhostLevel=\"0\">\n");
+  describe_time(file, fields);
   file.xml("<PPointData>\n");
   for (const NamedField& field : fields)
     file.xml("<PDataArray type=\"" + std::string(type_name(field.type)) + "\" " +

@@ -149,25 +149,23 @@ struct Brought {
   }
 };
 
-// Whether the k nearest of all targets are there: none can lie farther than what was asked for.
-bool suffices(const Brought& brought, const PointsView<double>& targets, double reach,
-              const Options& options) {
+// Whether there are as many particles as a target may ask for, or all there are.
+bool can_suffice(const Halo& halo, const Options& options) {
   const auto* nearest = std::get_if<Nearest>(&*options.neighbours);
-  const Halo& halo = *brought.halo;
-  const bool complete = halo.all() == static_cast<std::size_t>(halo.total());
-  if (!nearest || complete || targets.size() == 0) return true;
-  const std::size_t most = most_neighbours(*nearest, options.grow);
-  if (halo.all() < most) return false;
+  return !nearest || halo.all() == static_cast<std::size_t>(halo.total()) ||
+         halo.all() >= most_neighbours(*nearest, options.grow);
+}
+
+// Whether the k nearest of all targets were there: none can lie farther than what was asked for.
+bool sufficed(const Halo& halo, const recon::Reconstruction& fit, int dimension,
+              std::size_t targets, double reach, const Options& options) {
+  if (!std::holds_alternative<Nearest>(*options.neighbours) ||
+      halo.all() == static_cast<std::size_t>(halo.total()))
+    return true;
   const bool cube = options.form == WeightForm::tensor_product;
-  const std::vector<double> weights = brought.weights();
-  Options local = options;
-  local.particle_weights = weights;
-  const NeighbourList<double> list = find_neighbours(
-      Sources(brought.cloud(), local.sources()), targets, Nearest(most, nearest->factor),
-      {.shape = cube ? SupportShape::cube : SupportShape::ball, .threads = options.threads});
-  const double diagonal = cube ? std::sqrt(static_cast<double>(brought.dimension)) : 1;
-  for (std::size_t t = 0; t < targets.size(); ++t)
-    if (!(list.support[t] * diagonal <= reach)) return false;
+  const double diagonal = cube ? std::sqrt(static_cast<double>(dimension)) : 1;
+  for (std::size_t t = 0; t < targets; ++t)
+    if (!(fit.support(t) * diagonal <= reach)) return false;
   return true;
 }
 
@@ -227,18 +225,19 @@ Reconstruction::Reconstruction(MPI_Comm comm, const PointsView<double>& points,
         std::make_shared<Halo>(ranks, points, need_of(box, targets.size() > 0, reach, all),
                                all.domain),
         own, dimension, weighted);
-    bool enough = true;
-    ranks.together([&] { enough = suffices(brought, targets, reach, all); });
-    if (ranks.largest(enough ? 0 : 1) > 0) {
-      if (!enough) reach *= 2;
-      continue;
-    }
+    bool enough = targets.size() == 0 || can_suffice(*brought.halo, all);
     ranks.together([&] {
+      if (!enough) return;
       const std::vector<double> weights = brought.weights();
       Options local = all;
       local.particle_weights = weights;
       local_ = recon::Reconstruction(brought.cloud(), targets, local);
+      enough = sufficed(*brought.halo, local_, dimension, targets.size(), reach, all);
     });
+    if (ranks.largest(enough ? 0 : 1) > 0) {
+      if (!enough) reach *= 2;
+      continue;
+    }
     halo_ = brought.halo;
     brought.halo->rounds = round;
     return;

@@ -42,6 +42,69 @@ const std::string small_vtu =
     "NumberOfComponents=\"3\" format=\"ascii\">2 0 0 3 0 0</DataArray></Points></Piece>"
     "</UnstructuredGrid></VTKFile>\n";
 
+// Rows with their number as `id`, in each format.
+std::vector<std::pair<std::string, std::string>> numbered_files(int rows) {
+  std::string lines, xyz, points, ids;
+  for (int i = 0; i < rows; ++i) {
+    const std::string id = std::to_string(i), x = std::to_string(0.5 * i);
+    lines += id + " " + x + " 0.25 1\n";
+    xyz += "Fe " + x + " 0.25 1 " + id + "\n";
+    points += x + " 0.25 1\n";
+    ids += id + "\n";
+  }
+  const std::string n = std::to_string(rows);
+  return {{"a.dump", "ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n" + n +
+                         "\nITEM: BOX BOUNDS pp pp pp\n0 900\n0 1\n0 2\nITEM: ATOMS id x y z\n" +
+                         lines},
+          {"a.txt", "id x y z\n" + lines},
+          {"a.xyz", n + "\nProperties=species:S:1:pos:R:3:id:I:1\n" + xyz},
+          {"a.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS " + n +
+                        " double\n" + points + "POINT_DATA " + n +
+                        "\nSCALARS id double\nLOOKUP_TABLE default\n" + ids}};
+}
+
+TEST(ReadParts, TogetherAreAllRowsOnce) {
+  const TemporaryFolder folder;
+  for (const int rows : {1, 256, 700, 1536})
+    for (const auto& [name, text] : numbered_files(rows)) {
+      const auto path = folder.file(name, text);
+      for (const int parts : {1, 2, 3}) {
+        std::vector<int> seen(static_cast<std::size_t>(rows), 0);
+        for (int part = 0; part < parts; ++part) {
+          const auto table = read_particles(path, {.part = part, .parts = parts});
+          ASSERT_TRUE(table.has("id")) << name;
+          EXPECT_LE(table.size(), static_cast<std::size_t>(rows / parts + 256)) << name;
+          const auto id = table.raw_column("id"), x = table.raw_column("x");
+          for (std::size_t i = 0; i < table.size(); ++i) {
+            EXPECT_EQ(x[i], 0.5 * id[i]);
+            ++seen[static_cast<std::size_t>(id[i])];
+          }
+        }
+        EXPECT_EQ(seen, std::vector<int>(static_cast<std::size_t>(rows), 1)) << name << parts;
+      }
+      EXPECT_EQ(recon::list_frames(path, {.part = 0, .parts = 2}).at(0).particles,
+                static_cast<std::size_t>(rows));
+    }
+}
+
+TEST(ReadParts, LinesAreThoseOfTheFile) {
+  const TemporaryFolder folder;
+  std::string text = "x,v\n";
+  for (int i = 0; i < 600; ++i) text += "1," + std::string(i == 400 ? "oh" : "2") + "\n";
+  const auto path = folder.file("a.csv", text);
+  EXPECT_NO_THROW(read_particles(path, {.part = 0, .parts = 2}).column("v"));
+  const auto other = read_particles(path, {.part = 1, .parts = 2});
+  EXPECT_EQ(other.describe_text("v"), "'oh' on line 402");
+}
+
+TEST(ReadParts, OfNoParts) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("a.csv", "x\n1\n");
+  EXPECT_THROW(read_particles(path, {.part = 0, .parts = 0}), recon::InvalidArgument);
+  EXPECT_THROW(read_particles(path, {.part = 2, .parts = 2}), recon::InvalidArgument);
+  EXPECT_THROW(read_particles(path, {.part = -1, .parts = 2}), recon::InvalidArgument);
+}
+
 TEST(Read, GzipIsUndone) {
   const TemporaryFolder folder;
   const auto path = folder.gzip("a.txt", "x,y\n1,2\n");  // by content, not by name

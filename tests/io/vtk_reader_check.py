@@ -16,7 +16,7 @@ try:
     from vtkmodules.vtkFiltersFlowPaths import vtkStreamTracer
     from vtkmodules.vtkFiltersGeneral import vtkWarpVector
     from vtkmodules.vtkFiltersSources import vtkArrowSource, vtkPointSource
-    from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPolyDataReader
+    from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLPImageDataReader, vtkXMLPolyDataReader
 except ImportError:
     print("VTK's Python module is missing: apt-get install python3-vtk9")
     sys.exit(77)
@@ -71,6 +71,10 @@ def check_grid(folder):
     expect(grid.GetOrigin(), (-1.5, 0.1, 1e6), "grid, origin")
     expect(grid.GetSpacing(), (0.25, 1 / 3, 2.0), "grid, spacing")
     check_fields(grid, 24, "grid")
+    pieces = read(vtkXMLPImageDataReader(), os.path.join(folder, "grid.pvti"))
+    for what in ("GetDimensions", "GetOrigin", "GetSpacing"):
+        expect(getattr(pieces, what)(), getattr(grid, what)(), "grid in pieces, " + what)
+    check_fields(pieces, 24, "grid in pieces")
 
     plane = read(vtkXMLImageDataReader(), os.path.join(folder, "plane.vti"))
     expect(plane.GetDimensions(), (3, 2, 1), "plane, nodes")

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -125,6 +126,72 @@ TEST(WritePvd, Text) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
+TEST(WritePvti, PiecesAreTheWholeGrid) {
+  const TemporaryFolder folder;
+  const recon::StructuredGrid<double> grid{3, {1, -2, 0.5}, {0.5, 0.25, 2}, {5, 3, 2}};
+  const auto value = [](double x, double y, double z) { return x + 10 * y + 100 * z; };
+  std::vector<recon::GridPieceFile> files;
+  std::vector<int> seen(grid.size(), 0);
+  recon::FieldSet fields;
+  for (const auto [first, count] : {std::array<std::size_t, 2>{0, 3}, {2, 2}, {3, 2}}) {
+    const recon::GridPiece piece{{first, 0, 0}, {count, 3, 2}};
+    std::vector<double> values;
+    for (std::size_t k = 0; k < 2; ++k)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t i = 0; i < count; ++i)
+          values.push_back(
+              value(grid.coordinate(first + i, 0), grid.coordinate(j, 1), grid.coordinate(k, 2)));
+    fields = {};
+    fields.add("u", 1, values);
+    const std::string name = "piece & " + std::to_string(first) + ".vti";
+    recon::write_vti_piece(folder / name, grid, piece, fields);
+    files.push_back({piece, name});
+    const auto table = recon::read_particles(folder / name);
+    const auto x = table.positions(3);
+    ASSERT_EQ(table.size(), piece.size());
+    for (std::size_t n = 0; n < table.size(); ++n) {
+      EXPECT_EQ(table.column("u")[n], value(x(n, 0), x(n, 1), x(n, 2)));
+      ++seen[static_cast<std::size_t>(std::lround((x(n, 0) - 1) / 0.5) +
+                                      5 * std::lround((x(n, 1) + 2) / 0.25) +
+                                      15 * std::lround((x(n, 2) - 0.5) / 2))];
+    }
+  }
+  // The planes 2 and 3 are in two pieces.
+  for (std::size_t n = 0; n < seen.size(); ++n)
+    EXPECT_EQ(seen[n], n % 5 == 2 || n % 5 == 3 ? 2 : 1);
+  recon::write_pvti(folder / "all.pvti", grid, files, fields);
+  const std::string text = test::bytes_of(folder / "all.pvti");
+  EXPECT_THAT(text, testing::HasSubstr("WholeExtent=\"0 4 0 2 0 1\" Origin=\"1 -2 0.5\""));
+  EXPECT_THAT(text,
+              testing::HasSubstr("<Piece Extent=\"2 3 0 2 0 1\" Source=\"piece &amp; 2.vti\"/>"));
+  EXPECT_THAT(text, testing::HasSubstr("<PDataArray type=\"Float64\" Name=\"u\""));
+
+  fields = {};
+  fields.add("u", 1, {1, 2});
+  expect_invalid(
+      [&] {
+        recon::write_vti_piece(folder / "b.vti", grid, {{4, 0, 0}, {2, 1, 1}}, fields);
+      },
+      "nodes of a piece along axis 0");
+  expect_invalid(
+      [&] {
+        recon::write_vti_piece(folder / "b.vti", grid, {{0, 0, 0}, {1, 1, 0}}, fields);
+      },
+      "nodes of a piece along axis 2");
+  expect_invalid(
+      [&] {
+        recon::write_vti_piece(folder / "b.vti", grid, {{0, 0, 0}, {3, 1, 1}}, fields);
+      },
+      "");
+  expect_invalid(
+      [&] {
+        recon::write_pvti(folder / "b.pvti", grid, {{{}, "a\xff"}}, fields);
+      },
+      "UTF-8");
+  EXPECT_FALSE(std::filesystem::exists(folder / "b.vti"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "b.pvti"));
+}
+
 // Files that vtk_reader_check.py reads with VTK itself and compares with the same formulas; it
 // names the folder in RECON_VTK_SAMPLES.
 TEST(VtkSamples, Write) {
@@ -151,6 +218,23 @@ TEST(VtkSamples, Write) {
   fields.add("rank", 1, rank, NumberType::int32);
   fields.add("single", 1, single, NumberType::float32);
   recon::write_vti(folder / "grid.vti", grid, fields);
+  // The same in two pieces.
+  std::vector<recon::GridPieceFile> pieces;
+  for (const auto [first, count] : {std::array<std::size_t, 2>{0, 3}, {2, 2}}) {
+    FieldSet part;
+    part.step = fields.step;
+    part.time = fields.time;
+    for (const recon::NamedField& field : fields) {
+      std::vector<double> values;
+      for (std::size_t n = 0; n < grid.size(); ++n)
+        for (int c = 0; c < field.components && n % 4 >= first && n % 4 < first + count; ++c)
+          values.push_back(field.view()(n, c));
+      part.add(field.name, field.components, std::move(values), field.type);
+    }
+    pieces.push_back({{{first, 0, 0}, {count, 3, 2}}, "piece_" + std::to_string(first) + ".vti"});
+    recon::write_vti_piece(folder / pieces.back().file, grid, pieces.back().piece, part);
+  }
+  recon::write_pvti(folder / "grid.pvti", grid, pieces, fields);
 
   // A rotation about (1.5, 2.125), a tensor, a symmetric one, and four numbers that are none.
   StructuredGrid<double> plane{2, {1, 2, 0}, {0.5, 0.25, 1}, {3, 2, 1}};

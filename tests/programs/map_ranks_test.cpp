@@ -12,12 +12,12 @@ using testing::HasSubstr;
 class StartedByMpirun : public ProgramTest {};
 
 TEST_F(StartedByMpirun, OtherCommandsAreForOneProcess) {
-  const Outcome first = shell("OMPI_COMM_WORLD_RANK=0 OMPI_COMM_WORLD_SIZE=2 '" + program() +
-                              "' info \"$CHUTE\"");
+  const Outcome first =
+      shell("OMPI_COMM_WORLD_RANK=0 OMPI_COMM_WORLD_SIZE=2 '" + program() + "' info \"$CHUTE\"");
   EXPECT_EQ(first.code, 1);
   EXPECT_THAT(first.err, HasSubstr("recon: mpirun has started 2 processes, and info is for one"));
-  const Outcome second = shell("OMPI_COMM_WORLD_RANK=1 OMPI_COMM_WORLD_SIZE=2 '" + program() +
-                               "' info \"$CHUTE\"");
+  const Outcome second =
+      shell("OMPI_COMM_WORLD_RANK=1 OMPI_COMM_WORLD_SIZE=2 '" + program() + "' info \"$CHUTE\"");
   EXPECT_EQ(second.code, 1);
   EXPECT_EQ(second.out + second.err, "") << "the first has said it";
 }
@@ -102,15 +102,19 @@ TEST_F(MapOnRanks, FieldsAreThoseOfOneProcess) {
   for (const std::string support : {" --k 20", " --radius 2", " --k 30 --radius 1.5"})
     expect_as_one("\"$CHUTE\" --fields vx,velocity --spacing 1.5" + support + on_all, {2, 3});
   expect_as_one("\"$CHUTE\" --fields speed --spacing 1.5 --k 30 --method mls:2 --gradient" +
-                    std::string(on_all), {2});
+                    std::string(on_all),
+                {2});
   // Fewer particles than a turn for each rank, more ranks than planes, a condition, a weight.
-  expect_as_one("\"$CHUTE\" --frame 0 --where 'z > 3' --weight-by mass --fields vz --spacing 8 --k 12" +
-                    std::string(on_all), {4});
+  expect_as_one(
+      "\"$CHUTE\" --frame 0 --where 'z > 3' --weight-by mass --fields vz --spacing 8 --k 12" +
+          std::string(on_all),
+      {4});
 }
 
 TEST_F(MapOnRanks, AxesAreThoseOfAllParticles) {
   // z is one number in each part, but another one in each.
-  write_rows("layers.csv", [&](int i) { return place(i) + "," + std::to_string(i / 256 % 2) + ",1"; });
+  write_rows("layers.csv",
+             [&](int i) { return place(i) + "," + std::to_string(i / 256 % 2) + ",1"; });
   expect_as_one("layers.csv --fields v --spacing 4 --k 12" + std::string(on_all), {2});
   EXPECT_EQ(table("one.vti").dimension(), 3);
   write_rows("plane.csv", [&](int i) { return place(i) + ",7," + std::to_string(i % 3); });
@@ -118,9 +122,10 @@ TEST_F(MapOnRanks, AxesAreThoseOfAllParticles) {
 }
 
 TEST_F(MapOnRanks, SaysWhatNeedsAllParticlesAtOnce) {
-  expect_one_message(2, "map \"$CHUTE\" --fields vx --out v.pvti", 1,
-                     HasSubstr("on 2 ranks say also --spacing H, --radius R (or --k K), --limit none "
-                               "and --max-distance none"));
+  expect_one_message(
+      2, "map \"$CHUTE\" --fields vx --out v.pvti", 1,
+      HasSubstr("on 2 ranks say also --spacing H, --radius R (or --k K), --limit none "
+                "and --max-distance none"));
   const std::string all = "map \"$CHUTE\" --spacing 2 --k 20" + std::string(on_all);
   expect_one_message(2, all + " --fields vx --out v.vti", 1, HasSubstr("one --out FILE.pvti"));
   expect_one_message(2, all + " --fields vx --out v.pvti --picture v.png", 1,

@@ -68,7 +68,7 @@ struct GridPiece {
 void write_vti_piece(const std::filesystem::path& path, const StructuredGrid<double>& grid,
                      const GridPiece& piece, const FieldSet& fields);
 // The file that names the pieces, by their names relative to its folder; of `fields` it takes
-// names, components and types. It must be written last: ParaView then reads them all.
+// names, components, types, step and time. It must be written last: ParaView then reads them all.
 struct GridPieceFile {
   GridPiece piece;
   std::filesystem::path file;

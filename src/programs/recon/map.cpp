@@ -156,7 +156,11 @@ Command add_map(CLI::App& app) {
       "  recon map examples/data/chute.dump.gz --fields velocity,solid_fraction \\\n"
       "      --spacing 0.5 --radius 2 --out chute.vti --picture chute.png\n"
       "  recon map examples/data/chute.dump.gz --frame 0 --fields speed --method shepard \\\n"
-      "      --slice z=3 --out speed.csv --picture speed.png");
+      "      --slice z=3 --out speed.csv --picture speed.png\n"
+      "On several ranks, each of which reads a part of the particles (where the program was\n"
+      "built with RECON_BUILD_PETSC):\n"
+      "  mpirun -n 4 recon map FILE --fields vx --spacing H --k 20 --limit none \\\n"
+      "      --max-distance none --out v.pvti");
   return [options] { run(*options); };
 }
 

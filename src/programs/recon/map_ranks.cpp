@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "frames.hpp"
 #include "outputs.hpp"
@@ -64,6 +66,31 @@ class Ranks : public Everyone {
   double greatest(double number) const override { return all_.largest(number); }
   MPI_Comm get() const { return all_.get(); }
 
+  // Brings rows of `width` numbers to the ranks that `owner` names; they come in the order of the
+  // ranks that had them.
+  std::vector<double> bring(const std::vector<double>& rows, std::size_t width,
+                            const std::vector<int>& owner) const {
+    const auto ranks = static_cast<std::size_t>(size());
+    std::vector<int> sent(ranks, 0), got(ranks), from(ranks + 1, 0), to(ranks + 1, 0);
+    for (const int one : owner) ++sent[static_cast<std::size_t>(one)];
+    MPI_Alltoall(sent.data(), 1, MPI_INT, got.data(), 1, MPI_INT, get());
+    std::partial_sum(sent.begin(), sent.end(), from.begin() + 1);
+    std::partial_sum(got.begin(), got.end(), to.begin() + 1);
+    std::vector<double> in_order(rows.size()), brought(static_cast<std::size_t>(to.back()) * width);
+    std::vector<int> next(from);
+    for (std::size_t row = 0; row < owner.size(); ++row)
+      std::copy_n(&rows[row * width], width,
+                  &in_order[static_cast<std::size_t>(next[static_cast<std::size_t>(owner[row])]++) *
+                            width]);
+    MPI_Datatype whole_row;
+    MPI_Type_contiguous(static_cast<int>(width), MPI_DOUBLE, &whole_row);
+    MPI_Type_commit(&whole_row);
+    MPI_Alltoallv(in_order.data(), sent.data(), from.data(), whole_row, brought.data(), got.data(),
+                  to.data(), whole_row, get());
+    MPI_Type_free(&whole_row);
+    return brought;
+  }
+
  private:
   petsc::Session session_{0, nullptr};
   petsc::Communicator all_{MPI_COMM_WORLD};
@@ -115,6 +142,48 @@ struct Slab {
   }
 };
 
+// Each particle to the rank whose slab it lies in, so that others need it only beside its borders.
+// What is not used any more does not go with it.
+void bring_home(const Ranks& ranks, const StructuredGrid<double>& grid, const MapOptions& options,
+                const FieldPlan& plan, Particles& particles) {
+  std::vector<std::string> names = particles.axes;
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const PlannedField& field : plan)
+    for (const std::string& column : field.columns) add(column);
+  if (!options.fit.weight_by.empty()) add(options.fit.weight_by);
+  const std::size_t width = names.size(), own = particles.size();
+  std::vector<double> rows(own * width);
+  for (std::size_t c = 0; c < width; ++c) {
+    const std::vector<double>& column = particles.table.column(names[c]);
+    for (std::size_t p = 0; p < own; ++p) rows[p * width + c] = column[p];
+  }
+  const int axis = Slab(grid, 0, ranks.size()).axis;
+  std::vector<int> owner(own);
+  for (std::size_t p = 0; p < own; ++p) {
+    const double plane =
+        (rows[p * width + static_cast<std::size_t>(axis)] - grid.origin[axis]) / grid.spacing[axis];
+    const auto planes = static_cast<double>(grid.counts[axis]);
+    owner[p] = static_cast<int>(std::clamp(plane / planes, 0.0, 1.0) * ranks.size());
+    owner[p] = std::min(owner[p], ranks.size() - 1);
+  }
+  const std::vector<double> brought = ranks.bring(rows, width, owner);
+  ParticleTable home;
+  home.source = particles.table.source;
+  home.step = particles.table.step;
+  home.time = particles.table.time;
+  home.remarks = particles.table.remarks;
+  for (std::size_t c = 0; c < width; ++c) {
+    std::vector<double> column;
+    column.reserve(brought.size() / width);
+    for (std::size_t at = c; at < brought.size(); at += width) column.push_back(brought[at]);
+    home.add_column(names[c], std::move(column));
+  }
+  home.set_coordinates(particles.axes);
+  particles.table = std::move(home);
+}
+
 // Nodes of a piece, the first axis fastest, as the whole grid has them to the bit.
 struct PieceNodes {
   std::array<std::vector<double>, max_dimension> x;
@@ -134,16 +203,16 @@ struct PieceNodes {
 // Sums and extremes of the summaries of all ranks.
 FitSummary of_all(const Ranks& ranks, const FitSummary& own) {
   FitSummary all;
-  for (const auto count : {&FitSummary::targets, &FitSummary::full, &FitSummary::reduced,
-                           &FitSummary::nearest, &FitSummary::no_support, &FitSummary::too_far,
-                           &FitSummary::handed_over})
+  for (const auto count :
+       {&FitSummary::targets, &FitSummary::full, &FitSummary::reduced, &FitSummary::nearest,
+        &FitSummary::no_support, &FitSummary::too_far, &FitSummary::handed_over})
     all.*count = ranks.sum(own.*count);
   const double neighbours = own.mean_neighbours * static_cast<double>(own.targets);
-  all.mean_neighbours = static_cast<double>(ranks.sum(static_cast<std::size_t>(
-                            std::llround(neighbours)))) /
-                        static_cast<double>(all.targets);
-  const double fewest =
-      own.targets > 0 ? static_cast<double>(own.fewest_neighbours) : std::numeric_limits<double>::max();
+  all.mean_neighbours =
+      static_cast<double>(ranks.sum(static_cast<std::size_t>(std::llround(neighbours)))) /
+      static_cast<double>(all.targets);
+  const double fewest = own.targets > 0 ? static_cast<double>(own.fewest_neighbours)
+                                        : std::numeric_limits<double>::max();
   all.fewest_neighbours = static_cast<std::size_t>(ranks.least(fewest));
   all.most_neighbours =
       static_cast<std::size_t>(ranks.greatest(static_cast<double>(own.most_neighbours)));
@@ -191,7 +260,6 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   ranks.together([&] {
     if (has_sums(plan))
       fail_usage("density, number_density and solid_fraction are for one process");
-    fit = fit_options(options.fit, method, particles);
     grid = with_exit_code(wrong_usage, [&] {
       return covering_grid(particles.region, *options.spacing, particles.grid_domain);
     });
@@ -200,15 +268,25 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
       fail_usage("coordinates other than x, x,y or x,y,z are for one process");
   });
   if (ranks.least(hash) != ranks.greatest(hash))
-    fail_input("columns of the file hold text in a part of it: name those that are wanted with --fields");
+    fail_input(
+        "columns of the file hold text in a part of it: name those that are wanted with --fields");
 
-  // As many targets at once as on one process.
+  const std::size_t read_here = particles.size();
+  bring_home(ranks, grid, options, plan, particles);
+  ranks.together([&] {
+    fit = fit_options(options.fit, method, particles);
+    // Ranks are as many as there are processors: each has one, unless it is said.
+    if (fit.threads == 0 && std::getenv("OMP_NUM_THREADS") == nullptr) fit.threads = 1;
+  });
+
+  // Some targets at a time, so that memory does not grow with them; each time costs an index of the
+  // particles.
   const Slab slab(grid, ranks.rank(), ranks.size());
   const std::size_t plane = grid.size() / grid.counts[slab.axis];
-  constexpr std::size_t most_targets = 500'000;
+  const std::size_t most_targets = std::max<std::size_t>(200'000, particles.size());
   const std::size_t step = std::max<std::size_t>(1, most_targets / plane);
-  const auto turns = static_cast<std::size_t>(
-      ranks.greatest(std::ceil(static_cast<double>(slab.shown - slab.begin) / static_cast<double>(step))));
+  const auto turns = static_cast<std::size_t>(ranks.greatest(
+      std::ceil(static_cast<double>(slab.shown - slab.begin) / static_cast<double>(step))));
   Progress progress("mapping", turns, options.quiet || ranks.rank() > 0);
   MappedFields fields(particles, plan, options.gradient, (slab.shown - slab.begin) * plane);
   std::vector<FitReport> own;  // without the plane that the next rank has, too
@@ -241,7 +319,8 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   };
   try {
     on_disk([&] {
-      if (any) write_vti_piece(unfinished, grid, slab.piece(grid, slab.begin, slab.shown), mapped.fields);
+      if (any)
+        write_vti_piece(unfinished, grid, slab.piece(grid, slab.begin, slab.shown), mapped.fields);
     });
   } catch (const ProgramError&) {
     std::error_code ignored;
@@ -267,7 +346,8 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   for (const NamedField& field : mapped.fields) {
     if (field.name == report_names().front()) break;
     for (int c = 0; c < field.components; ++c) {
-      FieldRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+      FieldRange range{std::numeric_limits<double>::infinity(),
+                       -std::numeric_limits<double>::infinity()};
       const FieldView<double> values = field.view();
       // Planes across the last axis that counts stand one behind the other only there.
       const GridPiece shown = slab.piece(grid, slab.begin, slab.shown);
@@ -281,12 +361,14 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
         }
         for (int d = 0; d < max_dimension && ++i[d] == shown.counts[d]; ++d) i[d] = 0;
       }
-      found.push_back({ranks.least(range.least), ranks.greatest(range.greatest), ranks.sum(range.missing)});
+      found.push_back(
+          {ranks.least(range.least), ranks.greatest(range.greatest), ranks.sum(range.missing)});
     }
   }
   const auto particles_of = [&](bool most) {
-    const auto own_count = static_cast<double>(particles.size());
-    return count(static_cast<std::size_t>(most ? ranks.greatest(own_count) : ranks.least(own_count)));
+    const auto own_count = static_cast<double>(read_here);
+    return count(
+        static_cast<std::size_t>(most ? ranks.greatest(own_count) : ranks.least(own_count)));
   };
   const std::string least = particles_of(false), most = particles_of(true);
   if (options.quiet || ranks.rank() > 0) return;
@@ -299,7 +381,8 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   print_line("targets", "grid of " + counted(grid.size(), "node"));
   print_fit(summary, {}, 0, options.fit);
   std::size_t next = 0;
-  print_fields(mapped.fields, [&](const NamedField&, int) { return found[next++]; }, grid.size());
+  print_fields(
+      mapped.fields, [&](const NamedField&, int) { return found[next++]; }, grid.size());
   print_line("time", number(progress.seconds(), 2) + " s");
   print_written({out.string()}, "and a .vti file of each rank beside it");
 }
@@ -311,9 +394,10 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
 namespace recon::program {
 
 void map_on_ranks(const MapOptions&, const Method&) {
-  fail_usage("mpirun has started " + std::to_string(launched().size) +
-             " copies of this program, which was built without RECON_BUILD_PETSC: each would do all "
-             "of the work, and write the same files");
+  fail_usage(
+      "mpirun has started " + std::to_string(launched().size) +
+      " copies of this program, which was built without RECON_BUILD_PETSC: each would do all "
+      "of the work, and write the same files");
 }
 
 }  // namespace recon::program
