@@ -96,6 +96,7 @@ need_ci() {
   need_package clang libomp-dev libclang-rt-14-dev clang-format-14 clang-tidy-14  # Debian 12's clang is 14
   need_command git git
   need_command doxygen doxygen  # the site
+  need_package petsc-dev libopenmpi-dev openmpi-bin iproute2  # many machines, and a network between them
 }
 
 # The names in missing_packages are installed, quietly; what apt-get says goes to the file LOG. Where it
