@@ -33,12 +33,16 @@ class GridWorkload {
   using Point = std::array<Scalar, 3>;
   using Field = double (*)(const Point&, int component);
 
-  // (per_axis cells)^3 particles that carry a field.
+  // (per_axis cells)^3 particles that carry a field. uneven: their places are x^2 along each axis,
+  // so that cells at the origin have hundreds of them and those at the other end few.
   GridWorkload(const GridSetting& setting, std::size_t cells, Field field = &linear,
-               std::size_t per_axis = 2)
+               std::size_t per_axis = 2, bool uneven = false)
       : setting_(setting),
         points_(recon::jittered_points<Scalar, 3>(per_axis * cells, jitter, seed)),
         values_(points_.size() * static_cast<std::size_t>(setting.components)) {
+    if (uneven)
+      for (Point& x : points_)
+        for (Scalar& c : x) c *= c;
     const Scalar spacing = 1 / static_cast<Scalar>(cells);
     grid_ = {3, {0, 0, 0}, {spacing, spacing, spacing}, {cells + 1, cells + 1, cells + 1}};
     if (!setting.at_nodes) grid_ = recon::cell_centres(grid_);
