@@ -60,15 +60,29 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     messages->send_vectors(to_, from_, s.own(), of_particles);
   }
 
-  void sum(std::span<double> numbers_of_all) override {
-    votes.vote();
-    const std::size_t count = numbers_of_all.size();
-    std::vector<double> each(count * size_);
-    RECON_MPI(MPI_Allgather(numbers_of_all.data(), static_cast<int>(count), MPI_DOUBLE, each.data(),
-                            static_cast<int>(count), MPI_DOUBLE, votes.ranks().get()));
+  void sum(std::span<double> numbers_of_all) override { view().sum(numbers_of_all); }
+
+  // The numbers of each rank, one rank after the other. Each sends as many as the one with most.
+  std::vector<double> gather(const std::vector<double>& mine) {
+    constexpr double at_once = 1e8;
+    const double most = votes.vote(static_cast<double>(mine.size()));
+    recon::detail::require(most <= at_once, "numbers of a rank", most,
+                           "must be at most 1e8 to be gathered");
+    const std::size_t room = static_cast<std::size_t>(most) + 1;
+    std::vector<double> sent(room), each(room * size_), found;
+    sent[0] = static_cast<double>(mine.size());
+    std::copy(mine.begin(), mine.end(), sent.begin() + 1);
+    RECON_MPI(MPI_Allgather(sent.data(), static_cast<int>(room), MPI_DOUBLE, each.data(),
+                            static_cast<int>(room), MPI_DOUBLE, votes.ranks().get()));
     ++votes.rounds;
-    std::fill(numbers_of_all.begin(), numbers_of_all.end(), 0.0);
-    for (std::size_t i = 0; i < each.size(); ++i) numbers_of_all[i % count] += each[i];
+    for (auto from = each.begin(); from != each.end(); from += static_cast<std::ptrdiff_t>(room))
+      found.insert(found.end(), from + 1, from + 1 + static_cast<std::ptrdiff_t>(*from));
+    return found;
+  }
+
+  View<D> view() {
+    return View<D>(state, *step, mapped, &numbers,
+                   [this](const std::vector<double>& mine) { return gather(mine); });
   }
 
   double largest(double number) override { return votes.vote(number); }
@@ -131,7 +145,7 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
       try {
         work();
       } catch (const Failure& e) {
-        if (votes.told() || std::string_view(e.place()) != "particle") throw;
+        if (dynamic_cast<const Told*>(&e) || std::string_view(e.place()) != "particle") throw;
         throw Failure(e.step(), e.place(),
                       e.number() < numbers.size() ? numbers[e.number()] : e.number(), e.reason());
       }
@@ -255,6 +269,10 @@ const petsc::Communicator& DistributedSimulation<D>::ranks() const {
   return exchange_->votes.ranks();
 }
 template <int D>
+View<D> DistributedSimulation<D>::view() const {
+  return exchange_->view();
+}
+template <int D>
 std::size_t DistributedSimulation<D>::particles() const {
   return exchange_->all;
 }
@@ -291,14 +309,13 @@ void DistributedSimulation<D>::map() {
 template <int D>
 void DistributedSimulation<D>::step(double dt) {
   Exchange& of = *exchange_;
-  of.votes.ranks().together(
-      [&] {
-        recon::detail::require(dt > 0 && std::isfinite(dt), "time step", dt,
-                               "must be positive and finite");
-        recon::detail::require(time() + dt > time(), "time step", dt,
-                               "is too short to move the clock");
-      },
-      "time step", {dt});
+  of.votes.together([&] {
+    recon::detail::require(dt > 0 && std::isfinite(dt), "time step", dt,
+                           "must be positive and finite");
+    recon::detail::require(time() + dt > time(), "time step", dt, "is too short to move the clock");
+    recon::detail::require(of.votes.vote(dt) == dt && of.votes.vote(-dt) == -dt, "time step",
+                           "different on some ranks", "must be the same on all ranks");
+  });
   map();
   of.failed = true;
   of.in_step([&] {
@@ -313,33 +330,13 @@ void DistributedSimulation<D>::step(double dt) {
 template <int D>
 Ledger DistributedSimulation<D>::account(const std::optional<Ledger>& start,
                                          const std::optional<Ledger>& before) {
-  Exchange& of = *exchange_;
-  recon::detail::require(of.mapped, "account", "of nodes of another time", "needs a map() before");
-  Ledger sums;
-  double power = 0;
-  of.votes.together([&] {
-    sums = sums_of(of.state, *of.step);
-    const Nodes<D>& nodes = of.step->nodes();
-    double negative = 0;  // a node of several ranks counts once
-    if (nodes.negative > 0)
-      for (std::size_t i = 0; i < nodes.mass.size(); ++i)
-        if (nodes.mass[i] < -lightest_node * nodes.heaviest()) negative += nodes.share_of(i);
-    std::vector<double> each;
-    const auto all_sums = [&](const auto& field) {
-      for (double* one : {&sums.mass, &sums.node_mass, &sums.kinetic, &sums.node_kinetic,
-                          &sums.strain, &sums.linear_strain, &sums.power, &power, &negative})
-        field(*one);
-      for (auto* three : {&sums.momentum, &sums.node_momentum, &sums.angular, &sums.node_angular})
-        for (double& one : *three) field(one);
-    };
-    power = external_forces(of.state, *of.step).power;
-    all_sums([&](double& one) { each.push_back(one); });
-    of.sum(each);
-    std::size_t next = 0;
-    all_sums([&](double& one) { one = each[next++]; });
-    sums.negative_nodes = static_cast<std::size_t>(std::llround(negative));
+  Ledger now;
+  exchange_->votes.together([&] {
+    const View<D> view = exchange_->view();
+    view.require_mapped("account");
+    now = mpm::account(view, external_forces(view), start, before);
   });
-  return mpm::account(sums, power, start, before);
+  return now;
 }
 
 template <int D>

@@ -53,6 +53,8 @@ class DistributedSimulation {
   const std::vector<std::uint32_t>& numbers() const;
   const Step<D>& stepper() const;
   Traffic traffic() const;
+  // What measures see (runs/view.hpp): its functions are collective, and throw as together().
+  View<D> view() const;
   const petsc::Communicator& ranks() const;
   const Problem<D>& problem() const { return stepper().problem(); }
   // The same on all ranks.
