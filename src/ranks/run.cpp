@@ -20,8 +20,7 @@ class Fingerprint {
   void add(const void* data, std::size_t bytes) {
     for (std::size_t at = 0; at < bytes; at += sizeof value_) {
       std::uint64_t word = 0;
-      std::memcpy(&word, static_cast<const char*>(data) + at,
-                  std::min(sizeof word, bytes - at));
+      std::memcpy(&word, static_cast<const char*>(data) + at, std::min(sizeof word, bytes - at));
       value_ = (value_ ^ word) * 1099511628211u;
       value_ ^= value_ >> 32;
     }
@@ -45,11 +44,11 @@ void require_same(Votes& votes, const ProblemFile<D>& file, const RunOptions& op
     print.add(values.data(), values.size() * sizeof(T));
   });
   const TimeOptions& time = problem.time;
-  for (const double each : {time.end, static_cast<double>(time.rule), time.courant.value_or(-1),
-                            time.step, time.rest.value_or(-1), file.limits.steps,
-                            static_cast<double>(file.output.frames),
-                            static_cast<double>(file.output.ledger), file.output.probe_interval,
-                            static_cast<double>(file.output.probe_every)})
+  for (const double each :
+       {time.end, static_cast<double>(time.rule), time.courant.value_or(-1), time.step,
+        time.rest.value_or(-1), file.limits.steps, static_cast<double>(file.output.frames),
+        static_cast<double>(file.output.ledger), file.output.probe_interval,
+        static_cast<double>(file.output.probe_every)})
     print.add(each);
   print.add(probes_header(file.probes));
   for (const auto& path : {options.folder, options.restart}) print.add(path.string());
@@ -159,8 +158,8 @@ std::optional<Spread> OnRanks<D>::spread() const {
   const View<D> all = view();
   const Traffic sent = parts_.traffic();
   const auto own = static_cast<double>(all.state().own());
-  const std::vector<double> each = all.of_all(
-      {own, static_cast<double>(sent.copies), static_cast<double>(sent.bytes)});
+  const std::vector<double> each =
+      all.of_all({own, static_cast<double>(sent.copies), static_cast<double>(sent.bytes)});
   Spread spread;
   spread.ranks = parts_.ranks().size();
   spread.least = spread.most = static_cast<std::size_t>(each[0]);
@@ -187,19 +186,17 @@ RunResult run(const petsc::Communicator& ranks, const ProblemFile<D>& file,
     RunOptions own = options;
     if (ranks.rank() != 0) own.begins = {}, own.progress = {}, own.saved = {};
     const double copies = ranks_of_this_machine(ranks);
-    result = run<D>(file, own,
-                    {[&](const Problem<D>& problem) {
-                       return std::make_unique<OnRanks<D>>(votes, problem);
-                     },
-                     // The first rank has the whole beside its part.
-                     copies + (ranks.rank() == 0 ? 1 : 0)});
+    result = run<D>(
+        file, own,
+        {[&](const Problem<D>& problem) { return std::make_unique<OnRanks<D>>(votes, problem); },
+         // The first rank has the whole beside its part.
+         copies + (ranks.rank() == 0 ? 1 : 0)});
   });
   return result;
 }
 
-#define RECON_INSTANTIATE(D)                                                          \
-  template RunResult run(const petsc::Communicator&, const ProblemFile<D>&,           \
-                         const RunOptions&);
+#define RECON_INSTANTIATE(D) \
+  template RunResult run(const petsc::Communicator&, const ProblemFile<D>&, const RunOptions&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

@@ -48,9 +48,7 @@ class View {
   // another part.
   std::optional<std::size_t> place_of(std::size_t number) const;
   // The number in the problem of an own particle.
-  std::size_t number_of(std::size_t place) const {
-    return numbers_ ? (*numbers_)[place] : place;
-  }
+  std::size_t number_of(std::size_t place) const { return numbers_ ? (*numbers_)[place] : place; }
 
   // The numbers of all parts; each becomes the sum of those of all parts.
   std::vector<double> of_all(std::vector<double> of_this_part) const;

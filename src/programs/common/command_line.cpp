@@ -194,7 +194,7 @@ int run_program(const Front& front, const std::string& description, int argc, ch
                 const std::function<std::map<std::string, Command>(CLI::App&)>& add) {
   const auto fail = [&](ExitCode code, const std::string& what) {
     std::fflush(stdout);
-    std::fprintf(stderr, "%s: %s\n", front.name.c_str(), what.c_str());
+    if (!front.silent) std::fprintf(stderr, "%s: %s\n", front.name.c_str(), what.c_str());
     return code;
   };
   try {

@@ -18,6 +18,8 @@ struct Front {
   std::string name;  // of the program
   // Answers a first word that is a file rather than a command, or is empty.
   std::string file_hint;
+  // Whether what is wrong is left to another process to say.
+  bool silent = false;
 };
 
 // Parses the arguments and runs the subcommand. The exit code; whatever is wrong is said on the
