@@ -292,9 +292,13 @@ void run(const RunCommand& options, const mpm::ProblemFile<D>& file, const Launc
   try {
     result = launch.run(file, run_options);
   } catch (const InvalidArgument& refusal) {
-    throw ProgramError(wrong_input, "the run cannot begin: " + std::string(refusal.what()) +
-                                        "; [limits] memory and steps in the problem file say what "
-                                        "it may take");
+    const std::string what = "the run cannot begin: " + std::string(refusal.what());
+    const std::string& about = refusal.argument();
+    throw ProgramError(wrong_input, about.ends_with("memory") || about.ends_with("steps")
+                                        ? what +
+                                              "; [limits] memory and steps in the problem file say "
+                                              "what it may take"
+                                        : what);
   } catch (const mpm::Failure& failure) {
     throw ProgramError(internal_error, "the run stopped: " + std::string(failure.what()) + "\n" +
                                            advice(options, time, courant, checkpoint, saved));
