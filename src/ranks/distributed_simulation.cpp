@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -139,6 +140,60 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     return {chosen(particles, kept_, order), state.time, state.last_dt, state.steps};
   }
 
+  // Notes negative masses of nodes and changes of their sign, as a step does in one whole: the rank
+  // that knows a node may be another one in the next step. `before` are the signs of that step.
+  void watch(const std::vector<signed char>& before) {
+    const std::vector<signed char>& now = step->signs().of_nodes;
+    if (now.empty()) return;  // the method has none
+    const Nodes<D>& nodes = step->nodes();
+    const auto masses_of_all = [&](const std::vector<std::size_t>& here) {
+      std::vector<double> of_nodes;
+      for (const std::size_t i : here) {
+        of_nodes.push_back(static_cast<double>(i));
+        of_nodes.push_back(nodes.mass[i]);
+      }
+      of_nodes = gather(of_nodes);
+      std::map<std::size_t, double> masses;
+      for (std::size_t at = 0; at < of_nodes.size(); at += 2)
+        masses.emplace(static_cast<std::size_t>(of_nodes[at]), of_nodes[at + 1]);
+      return masses;
+    };
+    const auto first_of = [&](const std::map<std::size_t, double>& found) {
+      return NegativeMass{state.steps, found.begin()->first, found.begin()->second};
+    };
+    std::vector<std::size_t> here;
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if (now[i] < 0) here.push_back(i);
+    const std::map<std::size_t, double> negative = masses_of_all(here);
+    if (!negative.empty() && !signs.negative) signs.negative = first_of(negative);
+    // Nodes that were negative and are not any more may be positive now, and others were before.
+    std::vector<std::size_t> turned;
+    bool may_have_turned = false;
+    const auto look = [&](std::size_t i, const std::vector<signed char>& at) {
+      may_have_turned = true;
+      if (!at.empty() && at[i] > 0) turned.push_back(i);
+    };
+    for (const auto& [i, mass] : negative)
+      if (!std::binary_search(negative_before_.begin(), negative_before_.end(), i)) look(i, before);
+    for (const std::size_t i : negative_before_)
+      if (!negative.contains(i)) look(i, now);
+    if (may_have_turned && !signs.change) {
+      std::map<std::size_t, double> found = masses_of_all(turned);
+      if (!found.empty()) {
+        signs.change = first_of(found);
+        // Who knew it before need not know its mass now.
+        if (const auto known = negative.find(signs.change->node); known != negative.end())
+          signs.change->mass = known->second;
+      }
+    }
+    negative_before_.clear();
+    for (const auto& [i, mass] : negative) negative_before_.push_back(i);
+  }
+  void forget_signs() {
+    signs = {};
+    negative_before_.clear();
+  }
+
   // What work throws with the number that a particle has here is thrown with its own.
   void in_step(const std::function<void()>& work) {
     votes.together([&] {
@@ -163,6 +218,7 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
   bool mapped = false, failed = false;
   std::size_t copies = 0;
   std::int64_t migrated = 0;
+  MassSigns signs;  // of all ranks; without of_nodes
 
  private:
   // Which own particles other ranks need, and theirs.
@@ -234,6 +290,7 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
   Lists to_;
   std::vector<std::size_t> from_;
   bool has_lists_ = false;
+  std::vector<std::size_t> negative_before_;  // nodes of negative mass of all ranks, ascending
   std::unordered_map<std::uint32_t, std::size_t> places_;  // with loads alone
 };
 
@@ -269,6 +326,10 @@ const petsc::Communicator& DistributedSimulation<D>::ranks() const {
   return exchange_->votes.ranks();
 }
 template <int D>
+const MassSigns& DistributedSimulation<D>::signs() const {
+  return exchange_->signs;
+}
+template <int D>
 View<D> DistributedSimulation<D>::view() const {
   return exchange_->view();
 }
@@ -301,7 +362,11 @@ void DistributedSimulation<D>::map() {
                          "cannot go on after a step that failed; restore() brings back a state");
   if (of.mapped) return;
   of.failed = true;
-  of.in_step([&] { of.step->to_nodes(of.state); });
+  of.in_step([&] {
+    const std::vector<signed char> before = of.step->signs().of_nodes;
+    of.step->to_nodes(of.state);
+    of.watch(before);
+  });
   of.mapped = true;
   of.failed = false;
 }
@@ -361,6 +426,7 @@ void DistributedSimulation<D>::restore(const State<D>& whole) {
                            whole.time, "must be finite and not negative");
     of.choose_own(whole);
     of.step->forget();
+    of.forget_signs();
   });
 }
 

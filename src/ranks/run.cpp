@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
-#include <utility>
 
 #include "petsc/call.hpp"
 #include "ranks/votes.hpp"
@@ -107,7 +106,7 @@ class OnRanks final : public Stepping<D> {
     mpm::write_frame(folder, name, *whole_, times, options);
   }
 
-  MassSigns signs() const override;
+  MassSigns signs() const override { return parts_.signs(); }
   std::optional<Spread> spread() const override;
 
  private:
@@ -127,31 +126,6 @@ class OnRanks final : public Stepping<D> {
   std::optional<Simulation<D>> whole_;  // on the first rank, as of step at_
   std::int64_t at_ = -1, steps_ = 0;
 };
-
-// Of the first ones that the ranks have seen the first.
-template <int D>
-MassSigns OnRanks<D>::signs() const {
-  const MassSigns& mine = parts_.stepper().signs();
-  const View<D> all = view();
-  const auto first = [&](const std::optional<NegativeMass>& found) {
-    std::vector<double> numbers;
-    if (found)
-      numbers = {static_cast<double>(found->step), static_cast<double>(found->node), found->mass};
-    numbers = all.of_all(std::move(numbers));
-    std::optional<NegativeMass> least;
-    for (std::size_t i = 0; i < numbers.size(); i += 3) {
-      const NegativeMass each{static_cast<std::int64_t>(numbers[i]),
-                              static_cast<std::size_t>(numbers[i + 1]), numbers[i + 2]};
-      if (!least || std::pair(each.step, each.node) < std::pair(least->step, least->node))
-        least = each;
-    }
-    return least;
-  };
-  MassSigns signs;
-  signs.negative = first(mine.negative);
-  signs.change = first(mine.change);
-  return signs;
-}
 
 template <int D>
 std::optional<Spread> OnRanks<D>::spread() const {

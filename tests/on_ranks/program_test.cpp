@@ -218,8 +218,7 @@ TEST_F(OnRanks, LeavesTheFilesOfOneProcess) {
 }
 
 TEST_F(OnRanks, IsAtRestWhenOneProcessIs) {
-  std::filesystem::copy(std::string(RECON_SOURCE_DIR) + "/examples/mpm/column_rest.toml",
-                        folder());
+  std::filesystem::copy(std::string(RECON_SOURCE_DIR) + "/examples/mpm/column_rest.toml", folder());
   const std::string command = "run column_rest.toml --quiet --out ";
   EXPECT_THAT(succeed(command + "one"), HasSubstr("rest           reached"));
   EXPECT_THAT(succeed_on(3, command + "on3"), HasSubstr("rest           reached"));
@@ -273,11 +272,10 @@ TEST_F(OnRanks, AFullDiskIsAnError) {
       "run still.toml --cells 16 --quiet --out out --set frames=0 --set ledger=false --set end=";
   succeed_on(2, command + "0.1");
   const std::string before = read("out/checkpoint.h5");
-  const Outcome full =
-      shell("OMPI_MCA_btl=self,tcp; export OMPI_MCA_btl; " +
-            std::regex_replace(mpirun(2), std::regex("OMPI_MCA_btl=[^ ]*"), "") +
-            "sh -c \"ulimit -f 20; exec '" + program() + "' " + command +
-            "0.2 --restart out/checkpoint.h5\"");
+  const Outcome full = shell("OMPI_MCA_btl=self,tcp; export OMPI_MCA_btl; " +
+                             std::regex_replace(mpirun(2), std::regex("OMPI_MCA_btl=[^ ]*"), "") +
+                             "sh -c \"ulimit -f 20; exec '" + program() + "' " + command +
+                             "0.2 --restart out/checkpoint.h5\"");
   EXPECT_EQ(full.code, 3);
   EXPECT_THAT(said(full), HasSubstr("checkpoint.h5: cannot write"));
   EXPECT_TRUE(read("out/checkpoint.h5") == before);
@@ -304,7 +302,8 @@ TEST_F(OnRanks, ASignalSavesTheRun) {
                                      HasSubstr("--restart out/checkpoint.h5")));
     const double time = table("out/ledger.csv").column("time").back();
     EXPECT_GT(time, 0);
-    succeed_on(2, command + " --restart out/checkpoint.h5 --set end=" + std::to_string(time * 1.01));
+    succeed_on(2,
+               command + " --restart out/checkpoint.h5 --set end=" + std::to_string(time * 1.01));
   }
 }
 
@@ -342,18 +341,6 @@ TEST_F(OnRanks, WhatOneRankReadsIsWhatAllRead) {
   const Outcome differs = shell(run_own);
   EXPECT_EQ(differs.code, 2);
   EXPECT_THAT(said(differs), HasSubstr("different on some ranks"));
-  EXPECT_FALSE(exists("out"));
-}
-
-// Copies that another MPI has started see themselves alone.
-TEST_F(OnRanks, CopiesThatAreNoRanksAreRefused) {
-  const std::string command = " '" + program() + "' run hanging.toml --out out";
-  const Outcome first = shell("exec env PMI_SIZE=4 PMI_RANK=0" + command);
-  EXPECT_EQ(first.code, 1);
-  EXPECT_THAT(said(first), HasSubstr("4 copies were started"));
-  const Outcome other = shell("exec env PMI_SIZE=4 PMI_RANK=2" + command);
-  EXPECT_EQ(other.code, 1);
-  EXPECT_EQ(other.err + other.out, "");
   EXPECT_FALSE(exists("out"));
 }
 

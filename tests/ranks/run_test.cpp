@@ -104,9 +104,9 @@ TEST(RunOnRanks, GoesOnToTheBit) {
   EXPECT_TRUE(stopped.stopped);
   EXPECT_EQ(stopped.steps, 19);
   EXPECT_EQ(saved > 0, world().rank() == 0);
-  const RunResult end = run(
-      world(), file,
-      {.folder = folder.path / "parts", .restart = folder.path / "parts" / "checkpoint.h5"});
+  const RunResult end =
+      run(world(), file,
+          {.folder = folder.path / "parts", .restart = folder.path / "parts" / "checkpoint.h5"});
   EXPECT_EQ(end.steps, whole.steps);
   EXPECT_EQ(end.frames, whole.frames);
   MPI_Barrier(world().get());
@@ -133,9 +133,8 @@ TEST(RunOnRanks, DifferentProblemsAreRefused) {
         HasSubstr("different on some ranks"))
         << setting;
   }
-  EXPECT_THAT(recon::testing::refusal([&] {
-                run(world(), problem(), {.folder = folder.path / (last ? "b" : "a")});
-              }),
+  EXPECT_THAT(recon::testing::refusal(
+                  [&] { run(world(), problem(), {.folder = folder.path / (last ? "b" : "a")}); }),
               HasSubstr("different on some ranks"));
   EXPECT_TRUE(fs::is_empty(folder.path));
 }
@@ -153,8 +152,9 @@ TEST(RunOnRanks, TroubleWithFilesIsThatOfAll) {
   } catch (const FileError& error) {
     EXPECT_EQ(error.path(), folder.path / "out" / "checkpoint.h5");
   }
-  EXPECT_THROW(run(world(), file, {.folder = folder.path / "b", .restart = folder.path / "none.h5"}),
-               NoRestart);
+  EXPECT_THROW(
+      run(world(), file, {.folder = folder.path / "b", .restart = folder.path / "none.h5"}),
+      NoRestart);
   EXPECT_FALSE(fs::exists(folder.path / "b"));
   // And a call that throws where others do not.
   RunOptions options{.folder = folder.path / "c"};

@@ -61,6 +61,8 @@ class DistributedSimulation {
   double time() const { return part().time; }
   std::int64_t steps() const { return part().steps; }
   std::size_t particles() const;  // of all ranks
+  // The first node of negative mass, and the first whose mass changed its sign.
+  const MassSigns& signs() const;
 
   // The step that the rule of the problem gives, and the number of the particle that limits it.
   TimeStep choose_step() const;
