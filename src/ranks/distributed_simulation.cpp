@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -60,15 +61,29 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     messages->send_vectors(to_, from_, s.own(), of_particles);
   }
 
-  void sum(std::span<double> numbers_of_all) override {
-    votes.vote();
-    const std::size_t count = numbers_of_all.size();
-    std::vector<double> each(count * size_);
-    RECON_MPI(MPI_Allgather(numbers_of_all.data(), static_cast<int>(count), MPI_DOUBLE, each.data(),
-                            static_cast<int>(count), MPI_DOUBLE, votes.ranks().get()));
+  void sum(std::span<double> numbers_of_all) override { view().sum(numbers_of_all); }
+
+  // The numbers of each rank, one rank after the other. Each sends as many as the one with most.
+  std::vector<double> gather(const std::vector<double>& mine) {
+    constexpr double at_once = 1e8;
+    const double most = votes.vote(static_cast<double>(mine.size()));
+    recon::detail::require(most <= at_once, "numbers of a rank", most,
+                           "must be at most 1e8 to be gathered");
+    const std::size_t room = static_cast<std::size_t>(most) + 1;
+    std::vector<double> sent(room), each(room * size_), found;
+    sent[0] = static_cast<double>(mine.size());
+    std::copy(mine.begin(), mine.end(), sent.begin() + 1);
+    RECON_MPI(MPI_Allgather(sent.data(), static_cast<int>(room), MPI_DOUBLE, each.data(),
+                            static_cast<int>(room), MPI_DOUBLE, votes.ranks().get()));
     ++votes.rounds;
-    std::fill(numbers_of_all.begin(), numbers_of_all.end(), 0.0);
-    for (std::size_t i = 0; i < each.size(); ++i) numbers_of_all[i % count] += each[i];
+    for (auto from = each.begin(); from != each.end(); from += static_cast<std::ptrdiff_t>(room))
+      found.insert(found.end(), from + 1, from + 1 + static_cast<std::ptrdiff_t>(*from));
+    return found;
+  }
+
+  View<D> view() {
+    return View<D>(state, *step, mapped, &numbers,
+                   [this](const std::vector<double>& mine) { return gather(mine); });
   }
 
   double largest(double number) override { return votes.vote(number); }
@@ -125,13 +140,67 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     return {chosen(particles, kept_, order), state.time, state.last_dt, state.steps};
   }
 
+  // Notes negative masses of nodes and changes of their sign, as a step does in one whole: the rank
+  // that knows a node may be another one in the next step. `before` are the signs of that step.
+  void watch(const std::vector<signed char>& before) {
+    const std::vector<signed char>& now = step->signs().of_nodes;
+    if (now.empty()) return;  // the method has none
+    const Nodes<D>& nodes = step->nodes();
+    const auto masses_of_all = [&](const std::vector<std::size_t>& here) {
+      std::vector<double> of_nodes;
+      for (const std::size_t i : here) {
+        of_nodes.push_back(static_cast<double>(i));
+        of_nodes.push_back(nodes.mass[i]);
+      }
+      of_nodes = gather(of_nodes);
+      std::map<std::size_t, double> masses;
+      for (std::size_t at = 0; at < of_nodes.size(); at += 2)
+        masses.emplace(static_cast<std::size_t>(of_nodes[at]), of_nodes[at + 1]);
+      return masses;
+    };
+    const auto first_of = [&](const std::map<std::size_t, double>& found) {
+      return NegativeMass{state.steps, found.begin()->first, found.begin()->second};
+    };
+    std::vector<std::size_t> here;
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if (now[i] < 0) here.push_back(i);
+    const std::map<std::size_t, double> negative = masses_of_all(here);
+    if (!negative.empty() && !signs.negative) signs.negative = first_of(negative);
+    // Nodes that were negative and are not any more may be positive now, and others were before.
+    std::vector<std::size_t> turned;
+    bool may_have_turned = false;
+    const auto look = [&](std::size_t i, const std::vector<signed char>& at) {
+      may_have_turned = true;
+      if (!at.empty() && at[i] > 0) turned.push_back(i);
+    };
+    for (const auto& [i, mass] : negative)
+      if (!std::binary_search(negative_before_.begin(), negative_before_.end(), i)) look(i, before);
+    for (const std::size_t i : negative_before_)
+      if (!negative.contains(i)) look(i, now);
+    if (may_have_turned && !signs.change) {
+      std::map<std::size_t, double> found = masses_of_all(turned);
+      if (!found.empty()) {
+        signs.change = first_of(found);
+        // Who knew it before need not know its mass now.
+        if (const auto known = negative.find(signs.change->node); known != negative.end())
+          signs.change->mass = known->second;
+      }
+    }
+    negative_before_.clear();
+    for (const auto& [i, mass] : negative) negative_before_.push_back(i);
+  }
+  void forget_signs() {
+    signs = {};
+    negative_before_.clear();
+  }
+
   // What work throws with the number that a particle has here is thrown with its own.
   void in_step(const std::function<void()>& work) {
     votes.together([&] {
       try {
         work();
       } catch (const Failure& e) {
-        if (votes.told() || std::string_view(e.place()) != "particle") throw;
+        if (dynamic_cast<const Told*>(&e) || std::string_view(e.place()) != "particle") throw;
         throw Failure(e.step(), e.place(),
                       e.number() < numbers.size() ? numbers[e.number()] : e.number(), e.reason());
       }
@@ -149,6 +218,7 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
   bool mapped = false, failed = false;
   std::size_t copies = 0;
   std::int64_t migrated = 0;
+  MassSigns signs;  // of all ranks; without of_nodes
 
  private:
   // Which own particles other ranks need, and theirs.
@@ -220,6 +290,7 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
   Lists to_;
   std::vector<std::size_t> from_;
   bool has_lists_ = false;
+  std::vector<std::size_t> negative_before_;  // nodes of negative mass of all ranks, ascending
   std::unordered_map<std::uint32_t, std::size_t> places_;  // with loads alone
 };
 
@@ -255,6 +326,14 @@ const petsc::Communicator& DistributedSimulation<D>::ranks() const {
   return exchange_->votes.ranks();
 }
 template <int D>
+const MassSigns& DistributedSimulation<D>::signs() const {
+  return exchange_->signs;
+}
+template <int D>
+View<D> DistributedSimulation<D>::view() const {
+  return exchange_->view();
+}
+template <int D>
 std::size_t DistributedSimulation<D>::particles() const {
   return exchange_->all;
 }
@@ -283,7 +362,11 @@ void DistributedSimulation<D>::map() {
                          "cannot go on after a step that failed; restore() brings back a state");
   if (of.mapped) return;
   of.failed = true;
-  of.in_step([&] { of.step->to_nodes(of.state); });
+  of.in_step([&] {
+    const std::vector<signed char> before = of.step->signs().of_nodes;
+    of.step->to_nodes(of.state);
+    of.watch(before);
+  });
   of.mapped = true;
   of.failed = false;
 }
@@ -291,14 +374,13 @@ void DistributedSimulation<D>::map() {
 template <int D>
 void DistributedSimulation<D>::step(double dt) {
   Exchange& of = *exchange_;
-  of.votes.ranks().together(
-      [&] {
-        recon::detail::require(dt > 0 && std::isfinite(dt), "time step", dt,
-                               "must be positive and finite");
-        recon::detail::require(time() + dt > time(), "time step", dt,
-                               "is too short to move the clock");
-      },
-      "time step", {dt});
+  of.votes.together([&] {
+    recon::detail::require(dt > 0 && std::isfinite(dt), "time step", dt,
+                           "must be positive and finite");
+    recon::detail::require(time() + dt > time(), "time step", dt, "is too short to move the clock");
+    recon::detail::require(of.votes.vote(dt) == dt && of.votes.vote(-dt) == -dt, "time step",
+                           "different on some ranks", "must be the same on all ranks");
+  });
   map();
   of.failed = true;
   of.in_step([&] {
@@ -313,33 +395,13 @@ void DistributedSimulation<D>::step(double dt) {
 template <int D>
 Ledger DistributedSimulation<D>::account(const std::optional<Ledger>& start,
                                          const std::optional<Ledger>& before) {
-  Exchange& of = *exchange_;
-  recon::detail::require(of.mapped, "account", "of nodes of another time", "needs a map() before");
-  Ledger sums;
-  double power = 0;
-  of.votes.together([&] {
-    sums = sums_of(of.state, *of.step);
-    const Nodes<D>& nodes = of.step->nodes();
-    double negative = 0;  // a node of several ranks counts once
-    if (nodes.negative > 0)
-      for (std::size_t i = 0; i < nodes.mass.size(); ++i)
-        if (nodes.mass[i] < -lightest_node * nodes.heaviest()) negative += nodes.share_of(i);
-    std::vector<double> each;
-    const auto all_sums = [&](const auto& field) {
-      for (double* one : {&sums.mass, &sums.node_mass, &sums.kinetic, &sums.node_kinetic,
-                          &sums.strain, &sums.linear_strain, &sums.power, &power, &negative})
-        field(*one);
-      for (auto* three : {&sums.momentum, &sums.node_momentum, &sums.angular, &sums.node_angular})
-        for (double& one : *three) field(one);
-    };
-    power = external_forces(of.state, *of.step).power;
-    all_sums([&](double& one) { each.push_back(one); });
-    of.sum(each);
-    std::size_t next = 0;
-    all_sums([&](double& one) { one = each[next++]; });
-    sums.negative_nodes = static_cast<std::size_t>(std::llround(negative));
+  Ledger now;
+  exchange_->votes.together([&] {
+    const View<D> view = exchange_->view();
+    view.require_mapped("account");
+    now = mpm::account(view, external_forces(view), start, before);
   });
-  return mpm::account(sums, power, start, before);
+  return now;
 }
 
 template <int D>
@@ -364,6 +426,7 @@ void DistributedSimulation<D>::restore(const State<D>& whole) {
                            whole.time, "must be finite and not negative");
     of.choose_own(whole);
     of.step->forget();
+    of.forget_signs();
   });
 }
 

@@ -1,5 +1,7 @@
 #include "recon/runs/external.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -24,29 +26,29 @@ double applied(const Problem<D>& problem, const State<D>& s,
 
 // How much body force and loads differ between the state's time and `end`, in the same sum.
 template <int D>
-double still_to_come(const Simulation<D>& simulation, const std::vector<Vector<D>>& loads,
-                     double end) {
-  const Problem<D>& problem = simulation.problem();
-  const Particles<D>& particles = simulation.particles();
+double still_to_come(const View<D>& view, const std::vector<Vector<D>>& loads, double end) {
+  const Problem<D>& problem = view.problem();
+  const Particles<D>& particles = view.particles();
   if (!std::isfinite(end) || (!problem.body_force && problem.loads.empty())) return 0;
   std::vector<Vector<D>> more;
   if (problem.body_force) {
     more.assign(particles.size(), Vector<D>::Zero());
     problem.body_force(particles, end, problem.threads, more);
-    const std::vector<Vector<D>>& now = simulation.stepper().body_force();
+    const std::vector<Vector<D>>& now = view.step().body_force();
     for (std::size_t p = 0; p < more.size(); ++p) more[p] -= now[p];
   }
   std::vector<Vector<D>> loaded;
   if (!loads.empty()) {
-    State<D> at_end = simulation.state();
+    State<D> at_end = view.state();
     at_end.time = end;
-    loaded = simulation.stepper().load_forces(at_end);
+    loaded = view.step().load_forces(at_end);
     for (std::size_t i = 0; i < loaded.size(); ++i) loaded[i] -= loads[i];
   }
   double sum = 0;
-  for (std::size_t p = 0; p < more.size(); ++p)
+  for (std::size_t p = 0; p < std::min(more.size(), view.state().own()); ++p)
     sum += particles.mass[p] * more[p].template lpNorm<1>();
   for (const Vector<D>& each : loaded) sum += each.template lpNorm<1>();
+  view.sum({&sum, 1});
   return sum;
 }
 
@@ -54,9 +56,20 @@ double still_to_come(const Simulation<D>& simulation, const std::vector<Vector<D
 
 template <int D>
 ExternalForces<D> external_forces(const Simulation<D>& simulation) {
-  recon::detail::require(simulation.mapped(), "external forces", "of nodes of another time",
-                         "need a map() before");
-  return external_forces(simulation.state(), simulation.stepper());
+  return external_forces(View<D>(simulation));
+}
+
+template <int D>
+ExternalForces<D> external_forces(const View<D>& view) {
+  view.require_mapped("external forces");
+  ExternalForces<D> forces = external_forces(view.state(), view.step());
+  std::array<double, 4> sums{forces.power, forces.unbalanced, forces.held, forces.applied};
+  view.sum(sums);
+  forces.power = sums[0];
+  forces.unbalanced = sums[1];
+  forces.held = sums[2];
+  forces.applied = sums[3];
+  return forces;
 }
 
 template <int D>
@@ -109,30 +122,30 @@ ExternalForces<D> external_forces(const State<D>& s, const Step<D>& step) {
 }
 
 template <int D>
-RestMeasure rest_of(const Simulation<D>& simulation, const ExternalForces<D>& forces,
-                    double node_kinetic, double strain, double tolerance) {
+RestMeasure rest_of(const View<D>& view, const ExternalForces<D>& forces, double node_kinetic,
+                    double strain, double tolerance) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   const double acting = std::max(forces.held, forces.applied);
   RestMeasure found{acting > 0 ? forces.unbalanced / acting : infinite,
                     strain > 0 ? node_kinetic / strain : infinite, false};
   if (!(found.unbalanced < tolerance && found.kinetic < tolerance)) return found;
-  const double end = simulation.problem().time.end;
+  const double end = view.problem().time.end;
   const auto at_rest = [&](const auto& held) {
-    if (simulation.nodes().velocity[held.node][held.axis] != 0) return false;
+    if (view.nodes().velocity[held.node][held.axis] != 0) return false;
     return !held.velocity->varies() || !std::isfinite(end) ||
-           (*held.velocity)(simulation.problem().grid.position(held.node), end) == 0;
+           (*held.velocity)(view.problem().grid.position(held.node), end) == 0;
   };
-  for (const auto& held : simulation.stepper().policies().boundaries.held())
+  for (const auto& held : view.step().policies().boundaries.held())
     if (!at_rest(held)) return found;
-  found.reached = still_to_come(simulation, forces.loads, end) <= tolerance * acting;
+  found.reached = still_to_come(view, forces.loads, end) <= tolerance * acting;
   return found;
 }
 
-#define RECON_INSTANTIATE(D)                                                                   \
-  template ExternalForces<D> external_forces(const Simulation<D>&);                            \
-  template ExternalForces<D> external_forces(const State<D>&, const Step<D>&);                 \
-  template RestMeasure rest_of(const Simulation<D>&, const ExternalForces<D>&, double, double, \
-                               double);
+#define RECON_INSTANTIATE(D)                                                   \
+  template ExternalForces<D> external_forces(const Simulation<D>&);            \
+  template ExternalForces<D> external_forces(const View<D>&);                  \
+  template ExternalForces<D> external_forces(const State<D>&, const Step<D>&); \
+  template RestMeasure rest_of(const View<D>&, const ExternalForces<D>&, double, double, double);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

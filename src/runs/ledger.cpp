@@ -30,22 +30,48 @@ void add(std::array<double, 3>& sum, const std::array<double, 3>& value) {
   for (int d = 0; d < 3; ++d) sum[d] += value[d];
 }
 
+// The nodes of negative mass in a part of a state; one of several parts counts once in all of them.
+template <int D>
+double negative_share(const Nodes<D>& nodes) {
+  double sum = 0;
+  if (nodes.negative > 0)
+    for (std::size_t i = 0; i < nodes.mass.size(); ++i)
+      if (nodes.mass[i] < -lightest_node * nodes.heaviest()) sum += nodes.share_of(i);
+  return sum;
+}
+
 }  // namespace
 
 template <int D>
 Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start,
                const std::optional<Ledger>& before) {
-  recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
-                         "needs a map() before");
-  return account(simulation, external_forces(simulation), start, before);
+  const View<D> view(simulation);
+  view.require_mapped("account");
+  return account(view, external_forces(view), start, before);
 }
 
 template <int D>
-Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
+Ledger account(const View<D>& view, const ExternalForces<D>& forces,
                const std::optional<Ledger>& start, const std::optional<Ledger>& before) {
-  recon::detail::require(simulation.mapped(), "account", "of nodes of another time",
-                         "needs a map() before");
-  return account(sums_of(simulation.state(), simulation.stepper()), forces.power, start, before);
+  view.require_mapped("account");
+  Ledger sums = sums_of(view.state(), view.step());
+  if (!view.is_whole()) {
+    double negative = negative_share(view.nodes());
+    std::vector<double> each;
+    const auto all_sums = [&](const auto& field) {
+      for (double* one : {&sums.mass, &sums.node_mass, &sums.kinetic, &sums.node_kinetic,
+                          &sums.strain, &sums.linear_strain, &sums.power, &negative})
+        field(*one);
+      for (auto* three : {&sums.momentum, &sums.node_momentum, &sums.angular, &sums.node_angular})
+        for (double& one : *three) field(one);
+    };
+    all_sums([&](double& one) { each.push_back(one); });
+    view.sum(each);
+    std::size_t next = 0;
+    all_sums([&](double& one) { one = each[next++]; });
+    sums.negative_nodes = static_cast<std::size_t>(std::llround(negative));
+  }
+  return account(sums, forces.power, start, before);
 }
 
 template <int D>
@@ -179,12 +205,12 @@ std::string ledger_row(const Ledger& ledger) {
   return row;
 }
 
-#define RECON_INSTANTIATE(D)                                                  \
-  template Ledger account(const Simulation<D>&, const std::optional<Ledger>&, \
-                          const std::optional<Ledger>&);                      \
-  template Ledger sums_of(const State<D>&, const Step<D>&);                   \
-  template Ledger account(const Simulation<D>&, const ExternalForces<D>&,     \
-                          const std::optional<Ledger>&, const std::optional<Ledger>&);
+#define RECON_INSTANTIATE(D)                                                                      \
+  template Ledger account(const Simulation<D>&, const std::optional<Ledger>&,                     \
+                          const std::optional<Ledger>&);                                          \
+  template Ledger sums_of(const State<D>&, const Step<D>&);                                       \
+  template Ledger account(const View<D>&, const ExternalForces<D>&, const std::optional<Ledger>&, \
+                          const std::optional<Ledger>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

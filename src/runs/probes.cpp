@@ -1,5 +1,6 @@
 #include "recon/runs/probes.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -46,20 +47,40 @@ Words columns_of(const Problem<D>& problem, const Words& fields) {
   return columns;
 }
 
-// The fields of one particle after the other.
+// Appends fields of the view's own particles to rows.
 template <int D>
-std::vector<double> values_of(const Simulation<D>& simulation, const Words& fields,
-                              const std::vector<std::size_t>& particles, std::size_t columns) {
-  const auto known = particle_fields_of(simulation.problem(), simulation.particles());
-  std::vector<double> values(particles.size() * columns);
-  double* to = values.data();
-  for (const std::size_t p : particles)
-    for (const std::string& name : fields) {
-      const ParticleField& field = known.at(name);
+class FieldsOf {
+ public:
+  FieldsOf(const View<D>& view, const Words& fields) : view_(view), fields_(fields) {}
+
+  void add(std::size_t p, std::vector<double>& row) const {
+    for (const std::string& name : fields_) {
+      const ParticleField& field = known_.at(name);
+      row.resize(row.size() + static_cast<std::size_t>(field.components));
+      double* const to = row.data() + row.size() - field.components;
       field.put(p, to);
-      to += field.components;
+      if (name == "id") *to = static_cast<double>(view_.number_of(p));
     }
-  return values;
+  }
+
+ private:
+  const View<D>& view_;
+  const Words& fields_;
+  std::map<std::string, ParticleField> known_ =
+      particle_fields_of(view_.problem(), view_.particles());
+};
+
+// What the parts of a state have found, in rows that begin with the number of a particle: in the
+// order of these.
+template <int D>
+std::vector<std::vector<double>> rows_of_all(const View<D>& view, std::vector<double> of_this_part,
+                                             std::size_t columns) {
+  const std::vector<double> all = view.of_all(std::move(of_this_part));
+  std::vector<std::vector<double>> rows;
+  for (auto at = all.begin(); at != all.end(); at += static_cast<std::ptrdiff_t>(columns))
+    rows.emplace_back(at, at + static_cast<std::ptrdiff_t>(columns));
+  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
+  return rows;
 }
 
 }  // namespace
@@ -76,8 +97,10 @@ Probe<D> particle_probe(const Problem<D>& problem, const Vector<D>& at, const Wo
                                  "lies in no body: the nearest particle is " +
                                      recon::detail::brief(away, 6) + " away, at " +
                                      brief_place(particles.X[nearest]));
-  probe.measure = [fields, nearest, count = probe.columns.size()](const Simulation<D>& simulation) {
-    return values_of(simulation, fields, {nearest}, count);
+  probe.measure = [fields, nearest](const View<D>& view) {
+    std::vector<double> found;
+    if (const auto here = view.place_of(nearest)) FieldsOf<D>(view, fields).add(*here, found);
+    return view.of_all(std::move(found));
   };
   return probe;
 }
@@ -91,24 +114,32 @@ Probe<D> point_probe(const Problem<D>& problem, const Vector<D>& at, double radi
   require(radius > 0 && std::isfinite(radius), "radius", radius, "must be positive and finite");
   for (const std::string& field : fields)
     require(field != "id" && field != "body", "fields", field, "has no meaning between particles");
-  probe.measure = [fields, at, radius, count = probe.columns.size()](const Simulation<D>& of) {
-    std::vector<std::size_t> near;
+  probe.measure = [fields, at, radius, count = probe.columns.size()](const View<D>& view) {
+    // Number, place and fields of each particle that is near.
+    const FieldsOf<D> fields_of(view, fields);
+    std::vector<double> here;
+    for (std::size_t p = 0; p < view.state().own(); ++p) {
+      const Vector<D>& x = view.particles().x[p];
+      if (!((x - at).squaredNorm() < radius * radius)) continue;
+      here.push_back(static_cast<double>(view.number_of(p)));
+      here.insert(here.end(), x.data(), x.data() + D);
+      fields_of.add(p, here);
+    }
     std::vector<Vector<D>> places;
-    for (std::size_t p = 0; p < of.particles().size(); ++p)
-      if ((of.particles().x[p] - at).squaredNorm() < radius * radius) {
-        near.push_back(p);
-        places.push_back(of.particles().x[p]);
-      }
+    std::vector<double> values;
+    for (const std::vector<double>& row : rows_of_all(view, std::move(here), 1 + D + count)) {
+      places.push_back(Eigen::Map<const Vector<D>>(row.data() + 1));
+      values.insert(values.end(), row.begin() + 1 + D, row.end());
+    }
     std::vector<double> found(count, none);
-    if (near.empty()) return found;
+    if (places.empty()) return found;
     const std::vector<Vector<D>> target{at};
     const Reconstruction fit = reconstruct(points_of(places), points_of(target),
                                            {.degree = 1, .neighbours = Radius{radius}});
-    const std::vector<double> values = values_of(of, fields, near, count);
-    const FieldView<double> view{near.size(), static_cast<int>(count), values.data(),
-                                 static_cast<std::ptrdiff_t>(count * sizeof(double)),
-                                 sizeof(double)};
-    const Eigen::MatrixXd mean = fit.apply(view);
+    const FieldView<double> fields_there{places.size(), static_cast<int>(count), values.data(),
+                                         static_cast<std::ptrdiff_t>(count * sizeof(double)),
+                                         sizeof(double)};
+    const Eigen::MatrixXd mean = fit.apply(fields_there);
     for (std::size_t c = 0; c < count; ++c) found[c] = mean(0, static_cast<Eigen::Index>(c));
     return found;
   };
@@ -126,17 +157,17 @@ Probe<D> section_probe(const Problem<D>& problem, int axis, double at) {
   for (int d = 3 - turns; d < 3; ++d) probe.columns.push_back(std::string("moment_") + "xyz"[d]);
   probe.columns.push_back("area");
   add_columns("stress", 9, probe.columns);
-  probe.measure = [axis, at](const Simulation<D>& simulation) {
-    const Particles<D>& particles = simulation.particles();
-    const double h = simulation.problem().grid.h();
-    const auto known = particle_fields_of(simulation.problem(), particles);
+  probe.measure = [axis, at](const View<D>& view) {
+    const Particles<D>& particles = view.particles();
+    const double h = view.problem().grid.h();
+    const auto known = particle_fields_of(view.problem(), particles);
     const ParticleField& full_stress = known.at("stress");
     double area = 0;
     Vector<D> centre = Vector<D>::Zero(), force = Vector<D>::Zero();
     std::array<double, 3> moment{};
     std::array<double, 9> mean{};
     const auto each = [&](const auto& add) {
-      for (std::size_t p = 0; p < particles.size(); ++p) {
+      for (std::size_t p = 0; p < view.state().own(); ++p) {
         const double w = 1 - std::abs(particles.x[p][axis] - at) / h;
         if (w > 0) add(p, particles.volume(p) * w / h);
       }
@@ -145,6 +176,8 @@ Probe<D> section_probe(const Problem<D>& problem, int axis, double at) {
       area += part;
       centre += part * particles.x[p];
     });
+    view.sum({&area, 1});
+    view.sum({centre.data(), D});
     if (area > 0) centre /= area;
     each([&](std::size_t p, double part) {
       const Vector<D> pull = part * particles.stress[p].col(axis);
@@ -154,6 +187,9 @@ Probe<D> section_probe(const Problem<D>& problem, int axis, double at) {
       full_stress.put(p, stress.data());
       for (int c = 0; c < 9; ++c) mean[c] += part * stress[c];
     });
+    view.sum({force.data(), D});
+    view.sum(moment);
+    view.sum(mean);
     std::vector<double> found(force.data(), force.data() + D);
     found.insert(found.end(), moment.end() - turns, moment.end());
     found.push_back(area);
@@ -171,10 +207,12 @@ Probe<D> reaction_probe(const Problem<D>& problem, std::size_t boundary) {
           "must hold nodes: one with images of particles holds none");
   Probe<D> probe{"reaction", {}, {}};
   for (int d = 0; d < D; ++d) probe.columns.push_back(std::string("force_") + "xyz"[d]);
-  probe.measure = [boundary](const Simulation<D>& simulation) {
+  probe.measure = [boundary](const View<D>& view) {
+    view.require_mapped("external forces");
     std::vector<double> sum(D);
-    for (const Reaction& each : external_forces(simulation).reactions)
+    for (const Reaction& each : external_forces(view.state(), view.step()).reactions)
       if (each.boundary == boundary) sum[static_cast<std::size_t>(each.axis)] += each.force;
+    view.sum(sum);
     return sum;
   };
   return probe;
@@ -189,16 +227,16 @@ std::string probes_header(const std::vector<Probe<D>>& probes) {
 }
 
 template <int D>
-std::string probes_row(const std::vector<Probe<D>>& probes, const Simulation<D>& simulation) {
-  std::string row = std::to_string(simulation.steps());
+std::string probes_row(const std::vector<Probe<D>>& probes, const View<D>& view) {
+  std::string row = std::to_string(view.state().steps);
   const auto put = [&](double value) {
     char text[32];
     row += ',';
     if (std::isfinite(value)) row.append(text, std::to_chars(text, text + sizeof text, value).ptr);
   };
-  put(simulation.time());
+  put(view.state().time);
   for (const Probe<D>& probe : probes)
-    for (const double value : probe.measure(simulation)) put(value);
+    for (const double value : probe.measure(view)) put(value);
   return row;
 }
 
@@ -208,7 +246,7 @@ std::string probes_row(const std::vector<Probe<D>>& probes, const Simulation<D>&
   template Probe<D> section_probe(const Problem<D>&, int, double);                          \
   template Probe<D> reaction_probe(const Problem<D>&, std::size_t);                         \
   template std::string probes_header(const std::vector<Probe<D>>&);                         \
-  template std::string probes_row(const std::vector<Probe<D>>&, const Simulation<D>&);
+  template std::string probes_row(const std::vector<Probe<D>>&, const View<D>&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

@@ -125,6 +125,23 @@ TEST_F(MpmProgram, ListsOfFramesAreXml) {
               HasSubstr("file=\"a&amp;b&lt;&quot;c_particles_0001.vtp\""));
 }
 
+// Several copies that cannot be ranks of one run, as the program knows no ranks or another MPI has
+// started them, would write the same files: one of them says so.
+TEST_F(MpmProgram, CopiesThatAreNoRanksAreRefused) {
+  for (const auto& [command, said] :
+       {std::pair("run disks.toml --out out", "4 copies were started"),
+        std::pair("compare disks.toml", "only recon-mpm run is spread over the ranks")}) {
+    const std::string rest = " '" + program() + "' " + command;
+    const Outcome first = shell("exec env PMI_SIZE=4 PMI_RANK=0" + rest);
+    EXPECT_EQ(first.code, 1);
+    EXPECT_THAT(first.err, AllOf(StartsWith("recon-mpm: "), HasSubstr(said)));
+    const Outcome other = shell("exec env PMI_SIZE=4 PMI_RANK=2" + rest);
+    EXPECT_EQ(other.code, 1);
+    EXPECT_EQ(other.err + other.out, "");
+  }
+  EXPECT_FALSE(exists("out"));
+}
+
 TEST_F(MpmProgram, Mistakes) {
   expect_failure("run disks.toml --method cplss", 1, HasSubstr("did you mean 'cpls'"));
   expect_failure("run disks.toml --method cpls+velocty=mls", 1,

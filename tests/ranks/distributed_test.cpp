@@ -225,6 +225,40 @@ TEST(OnRanks, ARankMayRunOutOfParticles) {
   }
 }
 
+// Elements give negative masses where particles are few, and those of few that fly change their
+// signs: at the same node and step, whichever ranks know it.
+TEST(OnRanks, SignsOfMassesAreThoseOfOne) {
+  std::size_t changes = 0;
+  for (const double speed : {2.0, 5.0, 11.0, -3.0}) {
+    Problem<2> problem = thrown<2>(method_named("q8"));
+    problem.particles = {};
+    problem.gravity.setZero();
+    for (int i = 0; i < 40; ++i) {
+      const Vector<2> X(0.3 + 0.4 * (i + 0.5) / 40, 0.3 + 0.4 * std::fmod(0.618034 * i, 1.0));
+      problem.particles.add(X, Matrix<2>::Identity() * 0.01, 1000, 0);
+      problem.particles.v.back() = Vector<2>(speed, speed / 3);
+    }
+    Simulation<2> whole(problem);
+    DistributedSimulation<2> parts(world(), problem);
+    const auto expect_same = [&](const std::optional<NegativeMass>& one,
+                                 const std::optional<NegativeMass>& all) {
+      ASSERT_EQ(one.has_value(), all.has_value()) << speed;
+      if (!one) return;
+      EXPECT_EQ(one->step, all->step) << speed;
+      EXPECT_EQ(one->node, all->node) << speed;
+      EXPECT_NEAR(one->mass, all->mass, 1e-12 * problem.particles.mass[0]) << speed;
+    };
+    for (int i = 0; i < 20; ++i) {
+      whole.step(1e-3);
+      parts.step(1e-3);
+      expect_same(whole.negative_mass(), parts.signs().negative);
+      expect_same(whole.sign_change(), parts.signs().change);
+    }
+    changes += whole.sign_change() ? 1 : 0;
+  }
+  EXPECT_GT(changes, 1u);
+}
+
 // From a state that was gathered, the same bits follow as without.
 TEST(OnRanks, AGatheredStateGoesOnToTheBit) {
   Problem<2> problem = thrown<2>(method_named("cpdi2"));

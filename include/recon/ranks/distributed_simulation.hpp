@@ -53,12 +53,16 @@ class DistributedSimulation {
   const std::vector<std::uint32_t>& numbers() const;
   const Step<D>& stepper() const;
   Traffic traffic() const;
+  // What measures see (runs/view.hpp): its functions are collective, and throw as together().
+  View<D> view() const;
   const petsc::Communicator& ranks() const;
   const Problem<D>& problem() const { return stepper().problem(); }
   // The same on all ranks.
   double time() const { return part().time; }
   std::int64_t steps() const { return part().steps; }
   std::size_t particles() const;  // of all ranks
+  // The first node of negative mass, and the first whose mass changed its sign.
+  const MassSigns& signs() const;
 
   // The step that the rule of the problem gives, and the number of the particle that limits it.
   TimeStep choose_step() const;

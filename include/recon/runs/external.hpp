@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "recon/runs/simulation.hpp"
+#include "recon/runs/view.hpp"
 
 namespace recon::mpm {
 
@@ -42,6 +42,10 @@ struct ExternalForces {
 // For the state that map() computed last. Throws InvalidArgument without one.
 template <int D>
 ExternalForces<D> external_forces(const Simulation<D>& simulation);
+// The same; of a state of several parts, loads and reactions are those of this part, and power and
+// sums those of all parts.
+template <int D>
+ExternalForces<D> external_forces(const View<D>& view);
 // The same for a state that step.to_nodes() has mapped last. In a state of several parts
 // (parts.hpp) all sums are those of one part, and the whole has their sums.
 template <int D>
@@ -57,10 +61,10 @@ struct RestMeasure {
 
 // Whether the state that map() computed last is at rest: both ratios are below the tolerance, no
 // boundary moves, and the loads are those of the end of the problem (if it has one), to the
-// tolerance: what still grows is no rest, however slowly it does. Throws InvalidArgument without a
-// map().
+// tolerance: what still grows is no rest, however slowly it does. `forces` are those of the view,
+// and the energies those of the whole.
 template <int D>
-RestMeasure rest_of(const Simulation<D>& simulation, const ExternalForces<D>& forces,
-                    double node_kinetic, double strain, double tolerance);
+RestMeasure rest_of(const View<D>& view, const ExternalForces<D>& forces, double node_kinetic,
+                    double strain, double tolerance);
 
 }  // namespace recon::mpm

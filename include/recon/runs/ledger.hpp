@@ -60,9 +60,10 @@ inline double distance(const std::array<double, 3>& a, const std::array<double, 
 template <int D>
 Ledger account(const Simulation<D>& simulation, const std::optional<Ledger>& start = {},
                const std::optional<Ledger>& before = {});
-// The same with the external forces of that state, where they are at hand.
+// The same with the external forces of that state, where they are at hand; of a state of several
+// parts on all of them.
 template <int D>
-Ledger account(const Simulation<D>& simulation, const ExternalForces<D>& forces,
+Ledger account(const View<D>& view, const ExternalForces<D>& forces,
                const std::optional<Ledger>& start, const std::optional<Ledger>& before);
 // The sums of a state that step.to_nodes() has mapped last: without errors of energy, work, and the
 // power of the external forces. In a state of several parts (parts.hpp) they are those of one part,

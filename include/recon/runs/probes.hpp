@@ -15,6 +15,7 @@
 //             sections that are less than h apart would count particles twice; sections at all
 //             planes of nodes together count each of them once.
 //   reaction  the force with which a boundary holds its nodes (external.hpp), its sum
+// Of a state of several parts (view.hpp) all parts measure what the whole has, to rounding.
 // Fields are those of frames (frames.hpp). Vectors have the components of the problem's dimension,
 // tensors nine, row by row. In 1-D a section has no moment, in 2-D one component of it.
 #pragma once
@@ -23,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "recon/runs/simulation.hpp"
+#include "recon/runs/view.hpp"
 
 namespace recon::mpm {
 
@@ -32,7 +33,7 @@ struct Probe {
   std::string name;
   std::vector<std::string> columns;
   // As many numbers as there are columns; NaN for what is not there. Needs a map() before.
-  std::function<std::vector<double>(const Simulation<D>&)> measure;
+  std::function<std::vector<double>(const View<D>&)> measure;
 };
 
 // Each throws InvalidArgument for a field that does not exist, or that is no mean (id and body, of
@@ -54,6 +55,6 @@ Probe<D> reaction_probe(const Problem<D>& problem, std::size_t boundary);
 template <int D>
 std::string probes_header(const std::vector<Probe<D>>& probes);
 template <int D>
-std::string probes_row(const std::vector<Probe<D>>& probes, const Simulation<D>& simulation);
+std::string probes_row(const std::vector<Probe<D>>& probes, const View<D>& view);
 
 }  // namespace recon::mpm

@@ -24,6 +24,7 @@ namespace recon::mpm {
 class OtherRun : public FileError {
  public:
   using FileError::FileError;
+  explicit OtherRun(const FileError& why) : FileError(why) {}
 };
 
 // Thrown where a run cannot be continued from the given checkpoint.
@@ -47,6 +48,14 @@ struct RunOptions {
   std::function<bool()> stop{};
 };
 
+// How a run was spread over ranks (ranks/run.hpp), at its end.
+struct Spread {
+  int ranks = 1;
+  std::size_t least = 0, most = 0;  // particles of a rank
+  std::size_t copies = 0;           // of particles of other ranks, on all ranks
+  double bytes_per_step = 0;        // that all ranks sent each other, for all that was done
+};
+
 struct RunResult {
   Forecast forecast;  // what was expected before
   std::int64_t steps = 0;
@@ -63,6 +72,7 @@ struct RunResult {
   // Of the last state, where the problem asks for rest (TimeOptions::rest); a run that comes to its
   // end without it is not at rest.
   std::optional<RestMeasure> rest;
+  std::optional<Spread> spread;
 };
 
 // Runs the problem to its end, or until it is at rest where TimeOptions::rest asks for that. A

@@ -15,8 +15,8 @@
 #include "programs/common/build_options.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
-#include "programs/common/launch.hpp"
 #include "programs/common/manual.hpp"
+#include "programs/common/started.hpp"
 #include "programs/common/text.hpp"
 
 namespace recon::program {
@@ -189,11 +189,10 @@ int run(const Front& front, const std::string& description, int argc, char** arg
   }
   for (const auto& [name, command] : commands) {
     if (!app.got_subcommand(name)) continue;
-    if (const int ranks = launched().size; ranks > 1 && !contains(front.on_ranks, name))
-      fail_usage(
-          "mpirun has started " + std::to_string(ranks) + " processes, and " + name +
-          " is for one" +
-          (front.on_ranks.empty() ? "" : "; on several runs " + enumeration(front.on_ranks)));
+    if (const int ranks = started().copies; ranks > 1 && !contains(front.on_ranks, name))
+      fail_usage(name + " is for one process, and " + std::to_string(ranks) +
+                 " were started; only " + front.name + " " + enumeration(front.on_ranks) +
+                 " is spread over the ranks of mpirun or srun");
     command();
   }
   require_printed();
@@ -209,10 +208,12 @@ int run_program(const Front& front, const std::string& description, int argc, ch
     std::fprintf(stderr, "%s: %s\n", front.name.c_str(), what.c_str());
     return code;
   };
+  // Of several processes the first one speaks.
+  if (started().rank > 0 && std::freopen("/dev/null", "w", stdout) == nullptr) std::fclose(stdout);
   try {
     return run(front, description, argc, argv, add);
   } catch (const ProgramError& error) {  // the same on all ranks: the first one says it
-    return launched().rank > 0 ? error.code() : fail(error.code(), error.what());
+    return started().rank > 0 ? error.code() : fail(error.code(), error.what());
   } catch (const InvalidArgument& error) {
     return fail(wrong_usage, error.what());
   } catch (const std::bad_alloc&) {

@@ -5,7 +5,9 @@
 
 namespace recon::program {
 
-Command add_run(CLI::App& app);
+class Launch;
+
+Command add_run(CLI::App& app, const Launch& launch);
 Command add_methods(CLI::App& app);
 Command add_converge(CLI::App& app);
 Command add_compare(CLI::App& app);

@@ -33,7 +33,9 @@ void ProblemOptions::add_to(CLI::App& command, bool choice) {
   command.add_option("--set", settings, "another value for a key of the file, as in grid.cells=40")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command.add_option("--threads", threads, "threads (default: all processors)")
+  command
+      .add_option("--threads", threads,
+                  "threads (default: all processors; 1 on each of several ranks)")
       ->type_name("N")
       ->check(whole_number(1));
 }

@@ -6,13 +6,17 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
+#include "launch.hpp"
 #include "problem_options.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/json.hpp"
 #include "programs/common/progress.hpp"
+#include "programs/common/started.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/picture.hpp"
 #include "recon/io/read.hpp"
@@ -98,6 +102,11 @@ void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result
   print_mass("sign of mass", result.sign_change);
   if (result.sign_change)
     print_line("", "changed there: the mass passed through zero, so the results cannot be trusted");
+  if (const auto& spread = result.spread)
+    print_line("ranks", std::to_string(spread->ranks) + ", with " + std::to_string(spread->least) +
+                            " to " + counted(spread->most, "particle") + " and " +
+                            std::to_string(spread->copies) + " copies at the end, " +
+                            number(spread->bytes_per_step / 1e3, 3) + " kB sent in a step");
   print_line("files", folder + ": " + counted(result.frames, "frame") + ", ledger.csv" +
                           (file.probes.empty() ? "" : ", probes.csv") + ", checkpoint.h5");
 }
@@ -149,6 +158,13 @@ Json summary_object(const mpm::ProblemFile<D>& file, const mpm::RunResult& resul
     rest.set("tolerance", *problem.time.rest);
   }
   object.set("rest", rest);
+  Json ranks;
+  if (const auto& spread = result.spread) {
+    ranks = Json::object().set("count", spread->ranks).set("least_particles", spread->least);
+    ranks.set("most_particles", spread->most).set("copies", spread->copies);
+    ranks.set("bytes_per_step", spread->bytes_per_step);
+  }
+  object.set("ranks", ranks);
   object.set("folder", folder).set("frames", result.frames);
   return object.set("stopped", result.stopped);
 }
@@ -165,8 +181,9 @@ void draw_energies(const fs::path& ledger, const fs::path& picture, const std::s
   draw(picture, plot);
 }
 
-// While it lives, SIGINT (Ctrl-C), SIGTERM and SIGHUP ask the run to stop; a second one ends the
-// program at once. Signals that were ignored before (nohup) stay so.
+// While it lives, SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGUSR1 (which mpirun passes on to all
+// ranks) ask the run to stop; a second one ends the program at once. Signals that were ignored
+// before (nohup) stay so.
 class StopSignals {
  public:
   StopSignals() {
@@ -191,9 +208,9 @@ class StopSignals {
   static int seen() { return seen_; }  // the signal, or 0
 
  private:
-  static constexpr std::array<int, 3> signals{SIGINT, SIGTERM, SIGHUP};
+  static constexpr std::array<int, 4> signals{SIGINT, SIGTERM, SIGHUP, SIGUSR1};
   static inline volatile sig_atomic_t seen_ = 0;
-  std::array<struct sigaction, 3> before_{};
+  std::array<struct sigaction, 4> before_{};
 };
 
 // As a shell reads it as one word.
@@ -240,7 +257,7 @@ std::string advice(const RunCommand& options, const mpm::TimeOptions& time, doub
 }
 
 template <int D>
-void run(const RunCommand& options, const mpm::ProblemFile<D>& file) {
+void run(const RunCommand& options, const mpm::ProblemFile<D>& file, const Launch& launch) {
   const fs::path problem_path = options.problem.file;
   const std::string name = problem_path.stem().string();
   mpm::RunOptions run_options;
@@ -275,11 +292,15 @@ void run(const RunCommand& options, const mpm::ProblemFile<D>& file) {
   mpm::RunResult result;
   const StopSignals signals;
   try {
-    result = mpm::run(file, run_options);
+    result = launch.run(file, run_options);
   } catch (const InvalidArgument& refusal) {
-    throw ProgramError(wrong_input, "the run cannot begin: " + std::string(refusal.what()) +
-                                        "; [limits] memory and steps in the problem file say what "
-                                        "it may take");
+    const std::string what = "the run cannot begin: " + std::string(refusal.what());
+    const std::string& about = refusal.argument();
+    throw ProgramError(wrong_input, about.ends_with("memory") || about.ends_with("steps")
+                                        ? what +
+                                              "; [limits] memory and steps in the problem file say "
+                                              "what it may take"
+                                        : what);
   } catch (const mpm::Failure& failure) {
     throw ProgramError(internal_error, "the run stopped: " + std::string(failure.what()) + "\n" +
                                            advice(options, time, courant, checkpoint, saved));
@@ -300,11 +321,11 @@ void run(const RunCommand& options, const mpm::ProblemFile<D>& file) {
   if (options.json && (result.stopped || !file.output.ledger)) print_json(summary);
   if (!options.json) print_summary(file, result, progress.seconds(), folder);
   if (result.stopped)
-    throw ProgramError(static_cast<ExitCode>(128 + signals.seen()),
+    throw ProgramError(static_cast<ExitCode>(128 + launch.largest(StopSignals::seen())),
                        "stopped at time " + number(saved.time) + ", step " +
                            std::to_string(saved.steps) +
                            ". To go on: " + go_on(options, checkpoint));
-  if (!file.output.ledger) return;
+  if (!file.output.ledger || started().rank > 0) return;
   const fs::path picture = run_options.folder / "energy.png";
   std::string why_none;
   try {
@@ -321,7 +342,7 @@ void run(const RunCommand& options, const mpm::ProblemFile<D>& file) {
 
 }  // namespace
 
-Command add_run(CLI::App& app) {
+Command add_run(CLI::App& app, const Launch& launch) {
   auto* command = app.add_subcommand("run", "one run: frames for ParaView, a ledger, checkpoints");
   auto options = std::make_shared<RunCommand>();
   options->problem.add_to(*command, true);
@@ -334,9 +355,18 @@ Command add_run(CLI::App& app) {
   command->add_flag("--overwrite", options->overwrite, "replace the results of another run");
   command->add_flag("--quiet", options->quiet, "no progress");
   add_json_option(*command, options->json, "Options");
-  return [options] {
-    const mpm::AnyProblem problem = options->problem.read();
-    std::visit([&](const auto& file) { run(*options, file); }, problem);
+  return [options, &launch] {
+    launch.require_ranks();
+    std::optional<mpm::AnyProblem> problem;
+    launch.together([&] { problem = options->problem.read(); });
+    std::visit(
+        [&](auto& file) {
+          // Ranks are as many as there are processors: each has one, unless it is said.
+          if (launch.has_ranks() && file.problem.threads == 0 && !std::getenv("OMP_NUM_THREADS"))
+            file.problem.threads = 1;
+          run(*options, file, launch);
+        },
+        *problem);
   };
 }
 

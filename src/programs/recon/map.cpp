@@ -8,7 +8,7 @@
 #include "map_series.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
-#include "programs/common/launch.hpp"
+#include "programs/common/started.hpp"
 #include "summary.hpp"
 
 namespace recon::program {
@@ -18,7 +18,7 @@ namespace {
 void run(const MapOptions& options) {
   if (options.input.file.empty()) fail_usage("map: the FILE is missing; see recon map --help");
   const Method method = read_method(options.method, options.fit);
-  if (launched().size > 1) return map_on_ranks(options, method);
+  if (started().copies > 1) return map_on_ranks(options, method);
   check_options(options);
   if (options.average) return map_average(options, method);
   if (is_series(options.input)) return map_series(options, method);

@@ -1,7 +1,7 @@
 #include "map_ranks.hpp"
 
 #include "programs/common/errors.hpp"
-#include "programs/common/launch.hpp"
+#include "programs/common/started.hpp"
 
 #ifdef RECON_PROGRAM_HAS_PETSC
 
@@ -15,6 +15,7 @@
 
 #include "frames.hpp"
 #include "outputs.hpp"
+#include "programs/common/ranks.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/write.hpp"
 #include "recon/petsc/reconstruct.hpp"
@@ -27,44 +28,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The ranks of all processes that were started together.
-class Ranks : public Everyone {
+// All ranks, each of which has a part of the particles.
+class Mappers : public Everyone {
  public:
-  int size() const override { return all_.size(); }
-  int rank() const { return all_.rank(); }
+  int size() const override { return ranks_.size(); }
+  int rank() const { return ranks_.rank(); }
+  void require_started() const { ranks_.require_started(); }
 
-  // What fails on several ranks is what the first of them says.
-  void together(const std::function<void()>& work) const override {
-    int code = success;
-    std::string what;
-    try {
-      work();
-    } catch (const ProgramError& error) {
-      code = error.code();
-      what = error.what();
-    } catch (const InvalidArgument& error) {
-      code = wrong_usage;
-      what = error.what();
-    } catch (const std::exception& error) {
-      code = internal_error;
-      what = error.what();
-    }
-    const auto failed = static_cast<int>(sum(code == success ? 0 : 1));
-    if (failed == 0) return;
-    const int first = static_cast<int>(least(code == success ? size() : rank()));
-    int length = static_cast<int>(what.size());
-    MPI_Bcast(&code, 1, MPI_INT, first, all_.get());
-    MPI_Bcast(&length, 1, MPI_INT, first, all_.get());
-    what.resize(static_cast<std::size_t>(length));
-    MPI_Bcast(what.data(), length, MPI_CHAR, first, all_.get());
-    throw ProgramError(static_cast<ExitCode>(code),
-                       failed == size() ? what : "rank " + std::to_string(first) + ": " + what);
-  }
+  void together(const std::function<void()>& work) const override { ranks_.together(work); }
   std::size_t sum(std::size_t number) const override {
-    return static_cast<std::size_t>(all_.sum(static_cast<long long>(number)));
+    return static_cast<std::size_t>(ranks_.all().sum(static_cast<long long>(number)));
   }
-  double greatest(double number) const override { return all_.largest(number); }
-  MPI_Comm get() const { return all_.get(); }
+  double greatest(double number) const override { return ranks_.all().largest(number); }
+  MPI_Comm get() const { return ranks_.all().get(); }
 
   // Brings rows of `width` numbers to the ranks that `owner` names; they come in the order of the
   // ranks that had them.
@@ -92,8 +68,7 @@ class Ranks : public Everyone {
   }
 
  private:
-  petsc::Session session_{0, nullptr};
-  petsc::Communicator all_{MPI_COMM_WORLD};
+  Ranks ranks_;
 };
 
 // What is found by default from all particles at once, and what fits across ranks do not have.
@@ -144,7 +119,7 @@ struct Slab {
 
 // Each particle to the rank whose slab it lies in, so that others need it only beside its borders.
 // What is not used any more does not go with it.
-void bring_home(const Ranks& ranks, const StructuredGrid<double>& grid, const MapOptions& options,
+void bring_home(const Mappers& ranks, const StructuredGrid<double>& grid, const MapOptions& options,
                 const FieldPlan& plan, Particles& particles) {
   std::vector<std::string> names = particles.axes;
   const auto add = [&](const std::string& name) {
@@ -201,7 +176,7 @@ struct PieceNodes {
 };
 
 // Sums and extremes of the summaries of all ranks.
-FitSummary of_all(const Ranks& ranks, const FitSummary& own) {
+FitSummary of_all(const Mappers& ranks, const FitSummary& own) {
   FitSummary all;
   for (const auto count :
        {&FitSummary::targets, &FitSummary::full, &FitSummary::reduced, &FitSummary::nearest,
@@ -228,15 +203,12 @@ fs::path piece_name(const fs::path& out, int rank) {
 }  // namespace
 
 void map_on_ranks(const MapOptions& options, const Method& method) {
-  const int size = launched().size;
+  const int size = started().copies;
   require_possible(options, counted(static_cast<std::size_t>(size), "rank"));
-  const Ranks ranks;
+  const Mappers ranks;
+  ranks.require_started();
   const fs::path out = options.outputs[0];
   ranks.together([&] {
-    if (ranks.size() != size)
-      throw ProgramError(internal_error, "MPI has " + std::to_string(ranks.size()) +
-                                             " ranks where " + std::to_string(size) +
-                                             " were started: is it the MPI of this mpirun?");
     if (ranks.rank() == 0) check_files(options.outputs, inputs_of(options));
   });
 
@@ -394,10 +366,9 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
 namespace recon::program {
 
 void map_on_ranks(const MapOptions&, const Method&) {
-  fail_usage(
-      "mpirun has started " + std::to_string(launched().size) +
-      " copies of this program, which was built without RECON_BUILD_PETSC: each would do all "
-      "of the work, and write the same files");
+  fail_usage(std::to_string(started().copies) +
+             " copies were started, which would all write the same files: this program was built "
+             "without ranks (RECON_BUILD_PETSC); start it once, without mpirun or srun");
 }
 
 }  // namespace recon::program

@@ -2,32 +2,17 @@
 #include <functional>
 #include <map>
 
-#include "run_program.hpp"
+#include "programs/run_program.hpp"
 
 namespace recon::test {
 namespace {
 
 using testing::HasSubstr;
 
-class StartedByMpirun : public ProgramTest {};
-
-TEST_F(StartedByMpirun, OtherCommandsAreForOneProcess) {
-  const Outcome first =
-      shell("OMPI_COMM_WORLD_RANK=0 OMPI_COMM_WORLD_SIZE=2 '" + program() + "' info \"$CHUTE\"");
-  EXPECT_EQ(first.code, 1);
-  EXPECT_THAT(first.err, HasSubstr("recon: mpirun has started 2 processes, and info is for one"));
-  const Outcome second =
-      shell("OMPI_COMM_WORLD_RANK=1 OMPI_COMM_WORLD_SIZE=2 '" + program() + "' info \"$CHUTE\"");
-  EXPECT_EQ(second.code, 1);
-  EXPECT_EQ(second.out + second.err, "") << "the first has said it";
-}
-
-#ifdef RECON_MPIRUN
-
 class MapOnRanks : public ProgramTest {
  protected:
   Outcome on(int ranks, const std::string& arguments) const {
-    return shell(RECON_MPIRUN " " + std::to_string(ranks) + " '" + program() + "' " + arguments);
+    return shell("exec env " RECON_MPIRUN " " + std::to_string(ranks) + " '" + program() + "' " + arguments);
   }
 
   // A value of each column at each node.
@@ -151,8 +136,6 @@ TEST_F(MapOnRanks, WhatOneRankFindsWrongEndsAll) {
   expect_one_message(2, "map far.csv" + how, 2, HasSubstr("line 302"));
   EXPECT_EQ(read("v.pvti"), "of before");
 }
-
-#endif
 
 }  // namespace
 }  // namespace recon::test

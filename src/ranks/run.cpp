@@ -1,0 +1,179 @@
+#include "recon/ranks/run.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include "petsc/call.hpp"
+#include "ranks/votes.hpp"
+#include "recon/ranks/distributed_simulation.hpp"
+#include "runs/identity.hpp"
+#include "runs/stepping.hpp"
+
+namespace recon::mpm {
+namespace {
+
+// A number that is the same for the same bytes, and hardly ever for others.
+class Fingerprint {
+ public:
+  void add(const void* data, std::size_t bytes) {
+    for (std::size_t at = 0; at < bytes; at += sizeof value_) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, static_cast<const char*>(data) + at, std::min(sizeof word, bytes - at));
+      value_ = (value_ ^ word) * 1099511628211u;
+      value_ ^= value_ >> 32;
+    }
+  }
+  void add(const std::string& text) { add(text.data(), text.size()); }
+  void add(double number) { add(&number, sizeof number); }
+  // Which a double has to the last bit.
+  double number() const { return static_cast<double>(value_ >> 11); }
+
+ private:
+  std::uint64_t value_ = 14695981039346656037u;
+};
+
+template <int D>
+void require_same(Votes& votes, const ProblemFile<D>& file, const RunOptions& options) {
+  Fingerprint print;
+  const Problem<D>& problem = file.problem;
+  print.add(to_text(identity_of(problem, problem.particles, file.formulas)));
+  problem.particles.arrays(problem.kept(), [&](const ParticleArray&, const auto& values) {
+    using T = typename std::decay_t<decltype(values)>::value_type;
+    print.add(values.data(), values.size() * sizeof(T));
+  });
+  const TimeOptions& time = problem.time;
+  for (const double each :
+       {time.end, static_cast<double>(time.rule), time.courant.value_or(-1), time.step,
+        time.rest.value_or(-1), file.limits.steps, static_cast<double>(file.output.frames),
+        static_cast<double>(file.output.ledger), file.output.probe_interval,
+        static_cast<double>(file.output.probe_every)})
+    print.add(each);
+  print.add(probes_header(file.probes));
+  for (const auto& path : {options.folder, options.restart}) print.add(path.string());
+  const double mine = print.number(), most = votes.vote(mine), least = -votes.vote(-mine);
+  recon::detail::require(most == least, "problem", "different on some ranks",
+                         "must be the same on all ranks");
+}
+
+int ranks_of_this_machine(const petsc::Communicator& ranks) {
+  MPI_Comm here = MPI_COMM_NULL;
+  RECON_MPI(MPI_Comm_split_type(ranks.get(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here));
+  int count = 1;
+  RECON_MPI(MPI_Comm_size(here, &count));
+  RECON_MPI(MPI_Comm_free(&here));
+  return count;
+}
+
+// A simulation that is spread over ranks.
+template <int D>
+class OnRanks final : public Stepping<D> {
+ public:
+  OnRanks(Votes& votes, const Problem<D>& problem)
+      : votes_(votes), problem_(problem), parts_(votes.ranks(), problem) {}
+
+  TimeStep choose_step() override { return parts_.choose_step(); }
+  void map() override { parts_.map(); }
+  void step(double dt) override {
+    parts_.step(dt);
+    ++steps_;
+  }
+  View<D> view() const override { return parts_.view(); }
+  bool writes() const override { return parts_.ranks().rank() == 0; }
+  void agree() override { votes_.vote(); }
+
+  // Every rank reads it, and keeps what is its own; the first one keeps all, to write from.
+  typename Stepping<D>::Restart read_checkpoint(const std::filesystem::path& path,
+                                                const Formulas& formulas) override {
+    Simulation<D>& whole = whole_.emplace(problem_);
+    RunState state = mpm::read_checkpoint(path, whole, formulas);
+    Forecast expected = forecast(whole.problem(), whole.state());
+    parts_.restore(whole.state());
+    at_ = whole.steps();
+    if (!writes()) whole_.reset();
+    return {std::move(state), std::move(expected)};
+  }
+  void write_checkpoint(const std::filesystem::path& path, const Formulas& formulas,
+                        const RunState& state) override {
+    gather();
+    if (writes()) mpm::write_checkpoint(path, *whole_, formulas, state);
+  }
+  void write_frame(const std::filesystem::path& folder, const std::string& name,
+                   std::vector<double>& times, const FrameOptions& options) override {
+    gather();
+    if (!writes()) return times.push_back(this->time());
+    whole_->map();
+    mpm::write_frame(folder, name, *whole_, times, options);
+  }
+
+  MassSigns signs() const override { return parts_.signs(); }
+  std::optional<Spread> spread() const override;
+
+ private:
+  // Brings the whole state to the first rank, once for each step.
+  void gather() {
+    if (at_ == this->steps()) return;
+    State<D> state = parts_.gather();
+    at_ = this->steps();
+    if (!writes()) return;
+    if (!whole_) whole_.emplace(problem_);
+    whole_->restore(std::move(state));
+  }
+
+  Votes& votes_;
+  const Problem<D>& problem_;
+  DistributedSimulation<D> parts_;
+  std::optional<Simulation<D>> whole_;  // on the first rank, as of step at_
+  std::int64_t at_ = -1, steps_ = 0;
+};
+
+template <int D>
+std::optional<Spread> OnRanks<D>::spread() const {
+  const View<D> all = view();
+  const Traffic sent = parts_.traffic();
+  const auto own = static_cast<double>(all.state().own());
+  const std::vector<double> each =
+      all.of_all({own, static_cast<double>(sent.copies), static_cast<double>(sent.bytes)});
+  Spread spread;
+  spread.ranks = parts_.ranks().size();
+  spread.least = spread.most = static_cast<std::size_t>(each[0]);
+  double bytes = 0;
+  for (std::size_t i = 0; i < each.size(); i += 3) {
+    spread.least = std::min(spread.least, static_cast<std::size_t>(each[i]));
+    spread.most = std::max(spread.most, static_cast<std::size_t>(each[i]));
+    spread.copies += static_cast<std::size_t>(each[i + 1]);
+    bytes += each[i + 2];
+  }
+  spread.bytes_per_step = bytes / static_cast<double>(std::max<std::int64_t>(steps_, 1));
+  return spread;
+}
+
+}  // namespace
+
+template <int D>
+RunResult run(const petsc::Communicator& ranks, const ProblemFile<D>& file,
+              const RunOptions& options) {
+  Votes votes(ranks);
+  RunResult result;
+  votes.together([&] {
+    require_same(votes, file, options);
+    RunOptions own = options;
+    if (ranks.rank() != 0) own.begins = {}, own.progress = {}, own.saved = {};
+    const double copies = ranks_of_this_machine(ranks);
+    result = run<D>(
+        file, own,
+        {[&](const Problem<D>& problem) { return std::make_unique<OnRanks<D>>(votes, problem); },
+         // The first rank has the whole beside its part.
+         copies + (ranks.rank() == 0 ? 1 : 0)});
+  });
+  return result;
+}
+
+#define RECON_INSTANTIATE(D) \
+  template RunResult run(const petsc::Communicator&, const ProblemFile<D>&, const RunOptions&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
+
+}  // namespace recon::mpm
