@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <span>
 
 #include "core/brief.hpp"
 #include "recon/core/names.hpp"
@@ -69,6 +71,17 @@ class FieldsOf {
   std::map<std::string, ParticleField> known_ =
       particle_fields_of(view_.problem(), view_.particles());
 };
+
+// Sums of all parts of a state, which wait for each other once.
+template <int D>
+void sum_together(const View<D>& view, std::initializer_list<std::span<double>> several) {
+  std::vector<double> all;
+  for (const std::span<double> some : several) all.insert(all.end(), some.begin(), some.end());
+  view.sum(all);
+  auto next = all.begin();
+  for (const std::span<double> some : several)
+    for (double& each : some) each = *next++;
+}
 
 // What the parts of a state have found, in rows that begin with the number of a particle: in the
 // order of these.
@@ -176,8 +189,7 @@ Probe<D> section_probe(const Problem<D>& problem, int axis, double at) {
       area += part;
       centre += part * particles.x[p];
     });
-    view.sum({&area, 1});
-    view.sum({centre.data(), D});
+    sum_together(view, {{&area, 1}, {centre.data(), D}});
     if (area > 0) centre /= area;
     each([&](std::size_t p, double part) {
       const Vector<D> pull = part * particles.stress[p].col(axis);
@@ -187,9 +199,7 @@ Probe<D> section_probe(const Problem<D>& problem, int axis, double at) {
       full_stress.put(p, stress.data());
       for (int c = 0; c < 9; ++c) mean[c] += part * stress[c];
     });
-    view.sum({force.data(), D});
-    view.sum(moment);
-    view.sum(mean);
+    sum_together(view, {{force.data(), D}, moment, mean});
     std::vector<double> found(force.data(), force.data() + D);
     found.insert(found.end(), moment.end() - turns, moment.end());
     found.push_back(area);

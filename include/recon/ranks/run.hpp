@@ -2,8 +2,9 @@
 //
 // ```cpp
 //   const recon::petsc::Session session(argc, argv);
-//   const recon::mpm::RunResult result = recon::mpm::run(
-//       recon::petsc::Communicator(PETSC_COMM_WORLD), problem, {.folder = "out"});
+//   const recon::petsc::Communicator ranks(PETSC_COMM_WORLD);
+//   const auto disks = std::get<recon::mpm::ProblemFile<2>>(recon::mpm::read_problem("disks.toml"));
+//   const recon::mpm::RunResult result = recon::mpm::run(ranks, disks, {.folder = "out"});
 // ```
 //
 // The folder has the same files as without ranks (runs/run.hpp), to rounding, and a run goes on
