@@ -12,7 +12,8 @@ using testing::HasSubstr;
 class MapOnRanks : public ProgramTest {
  protected:
   Outcome on(int ranks, const std::string& arguments) const {
-    return shell("exec env " RECON_MPIRUN " " + std::to_string(ranks) + " '" + program() + "' " + arguments);
+    return shell("exec env " RECON_MPIRUN " " + std::to_string(ranks) + " '" + program() + "' " +
+                 arguments);
   }
 
   // A value of each column at each node.

@@ -23,10 +23,11 @@ class Ranks {
   // Throws on all ranks unless MPI sees those that were started.
   void require_started() const {
     if (size() != started().copies)
-      fail_usage(std::to_string(started().copies) +
-                 " copies were started, and MPI, as this program was built with it, does not see "
-                 "them as ranks of one run: mpirun must be that of the same MPI, and srun needs the "
-                 "--mpi that it understands");
+      fail_usage(
+          std::to_string(started().copies) +
+          " copies were started, and MPI, as this program was built with it, does not see "
+          "them as ranks of one run: mpirun must be that of the same MPI, and srun needs the "
+          "--mpi that it understands");
   }
 
   // Does the work; where it fails on some ranks, all throw what the lowest of them says, as
@@ -53,9 +54,9 @@ class Ranks {
     MPI_Bcast(head, 2, MPI_INT, first, all_.get());
     text.resize(static_cast<std::size_t>(head[1]));
     MPI_Bcast(text.data(), head[1], MPI_CHAR, first, all_.get());
-    throw ProgramError(static_cast<ExitCode>(head[0]),
-                       failed == size() || first == 0 ? text
-                                                      : "rank " + std::to_string(first) + ": " + text);
+    throw ProgramError(
+        static_cast<ExitCode>(head[0]),
+        failed == size() || first == 0 ? text : "rank " + std::to_string(first) + ": " + text);
   }
 
  private:

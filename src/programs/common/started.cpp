@@ -25,9 +25,9 @@ Started started() {
     const char *copies, *rank;
   };
   // OpenMPI; MPICH, Intel and what else has its PMI; MVAPICH.
-  for (const Names& names : {Names{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
-                             Names{"PMI_SIZE", "PMI_RANK"},
-                             Names{"MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"}})
+  for (const Names& names :
+       {Names{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"}, Names{"PMI_SIZE", "PMI_RANK"},
+        Names{"MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"}})
     if (const int copies = number_in_environment(names.copies); copies > 0)
       return {copies, std::max(number_in_environment(names.rank), 0), true};
   // A step of Slurm; one of a single task may be a shell, too.
