@@ -1,6 +1,5 @@
 // The updates that map once a step, and what they are chosen from.
-#include "mpm/modes.hpp"
-#include "mpm/policies.hpp"
+#include "mpm/seen.hpp"
 #include "recon/transfer/scatter.hpp"
 #include "transfer/node_rows.hpp"
 
@@ -42,28 +41,32 @@ detail::NodeRows rows_of(const Problem<D>& problem, const std::vector<Vector<D>>
 }
 
 // v_p, x_p, L of all particles, and what follows.
-template <int D, class Shape>
+template <class Functions, int D, class Shape>
 void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>& nodes,
           const Carried<D>& from, Parts parts, double dt, State<D>& s, const Shape& shape_of) {
   Particles<D>& particles = s.particles;
   const Grid<D>& grid = problem.grid;
-  const Method& method = problem.method;
-  const double pic = method.pic_part(from.kick);
-  const std::size_t modes = mode_count(method.velocity, D);
+  const double pic = problem.method.pic_part(from.kick);
+  const std::size_t modes = mode_count(problem.method.velocity, D);
+  const bool with_modes = parts.velocity && modes > 0;
   const auto kernels = detail::RowKernels<D>::best();
   const bool same = &from.straining == &from.carried;
   const detail::NodeRows rows = rows_of(problem, from.carried, &nodes.acceleration);
   const detail::NodeRows others =
       same ? detail::NodeRows(0, 4) : rows_of<D>(problem, from.straining, nullptr);
   const double* straining = same ? rows.data() : others.data();
-  // What a place sees of the nodes.
+  // What a particle or an image sees of the nodes, and the coefficients of its modes.
   struct Seen {
     Vector<D> v, a;
     Matrix<D> L;
   };
-  const auto see = [&](const auto& shape) {
+  const auto see = [&](const Particles<D>& of, std::size_t p, Functions& functions,
+                       Vector<D>* coefficients) {
+    functions.look(problem, of, nodes, shape_of, p);
+    if (with_modes) functions.look_along(problem, shape_of, of.x[p]);
     detail::Taken taken;
-    kernels.take(detail::list_of(shape), rows.data(), straining, same ? 8 : 4, taken);
+    kernels.take(functions.list(), rows.data(), straining, same ? 8 : 4, taken);
+    if (with_modes) functions.coefficients(kernels, rows.data(), taken, coefficients);
     Seen seen;
     for (int d = 0; d < D; ++d) {
       seen.v[d] = taken.value[d];
@@ -72,47 +75,23 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
     }
     return seen;
   };
-  struct Scratch {
-    ParticleModes<D, Shape> modes;
-    typename Shape::template Nodes<D> image;
-    std::vector<Vector<D>> of_image;
-    std::vector<double> moments;
-  };
-  // The coefficients of the modes at x.
-  const auto see_modes = [&](const Vector<D>& x, const auto& shape, Vector<D>* c,
-                             Scratch& scratch) {
-    fill_modes(grid, shape_of, x, shape, method.velocity, scratch.modes);
-    scratch.moments.resize(4 * modes);
-    kernels.take_modes(detail::list_of(shape), list_of(scratch.modes), rows.data(),
-                       scratch.moments.data());
-    for (std::size_t r = 0; r < modes; ++r)
-      for (int d = 0; d < D; ++d) c[r][d] = scratch.moments[4 * r + static_cast<std::size_t>(d)];
-    scratch.modes.divide(c);
-  };
-  const auto each = [&](std::size_t p, const auto& shape, Scratch& scratch) {
-    Seen seen = see(shape);
-    const bool with_modes = parts.velocity && modes > 0;
-    if (with_modes) see_modes(particles.x[p], shape, &particles.modes[p * modes], scratch);
+  const auto each = [&](std::size_t p, Functions& functions, std::vector<Vector<D>>& of_image) {
+    Vector<D>* const own = with_modes ? &particles.modes[p * modes] : nullptr;
+    Seen seen = see(particles, p, functions, own);
     const auto add = [&](const Image<D>& image, std::size_t i) {
-      auto& at = scratch.image;
-      functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
-      const Seen there = see(at);
+      of_image.resize(modes);
+      const Seen there = see(nodes.images.particles, i, functions, of_image.data());
       seen.v += image.vector(there.v);
       seen.a += image.vector(there.a);
       seen.L += image.gradient(there.L);
-      if (!with_modes) return;
-      scratch.of_image.resize(modes);
-      see_modes(image.x, at, scratch.of_image.data(), scratch);
-      for (std::size_t r = 0; r < modes; ++r)  // slopes along the axes (problem.cpp)
-        particles.modes[p * modes + r] += image.vector(scratch.of_image[r]) *
-                                          Image<D>::signs(image.mirrored)[static_cast<int>(r)];
+      for (std::size_t r = 0; r < modes && with_modes; ++r)  // slopes along the axes (problem.cpp)
+        own[r] += image.vector(of_image[r]) * Image<D>::signs(image.mirrored)[static_cast<int>(r)];
     };
     if (const int more = for_mirrors(problem, nodes, particles.x[p], p, add); more > 0) {
       seen.v /= 1 + more;
       seen.a /= 1 + more;
       seen.L /= 1 + more;
-      for (std::size_t r = 0; r < modes && with_modes; ++r)
-        particles.modes[p * modes + r] /= 1 + more;
+      for (std::size_t r = 0; r < modes && with_modes; ++r) own[r] /= 1 + more;
     }
     if (parts.strain) particles.L[p] = seen.L;
     if (parts.velocity) {
@@ -139,11 +118,14 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
     particles.x[p] += dt * seen.v;
     shape_of.move(particles, p, velocity_at, dt);
   };
-  for_each_shape<Scratch>(problem, s, nodes, shape_of, each,
-                          [&](std::size_t begin, std::size_t end) {
-                            if (parts.strain) strain(problem, begin, end, dt, s);
-                            if (parts.position) policies.boundaries.keep_inside(begin, end, s);
-                          });
+  parallel_blocks(s.own(), particles_per_block, problem.threads,
+                  [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
+                    Functions functions;
+                    std::vector<Vector<D>> of_image;
+                    for (std::size_t p = begin; p < end; ++p) each(p, functions, of_image);
+                    if (parts.strain) strain(problem, begin, end, dt, s);
+                    if (parts.position) policies.boundaries.keep_inside(begin, end, s);
+                  });
 }
 
 // flip and pic: v_i+ = v_i + k a_i carries and strains.
@@ -161,8 +143,8 @@ class SingleMap : public UpdatePolicy<D> {
     std::vector<Vector<D>> carried = this->carried(step, s, kick);  // empty: nodes.velocity
     const auto receive = [&](const std::vector<Vector<D>>& straining, Parts parts) {
       const Carried<D> from{carried.empty() ? nodes.velocity : carried, straining, kick};
-      with_shape(problem.method, [&](auto shape_of) {
-        take(problem, step.policies(), nodes, from, parts, dt, s, shape_of);
+      with_seen<D>(problem.method, [&]<class Functions>(auto shape_of, Kind<Functions>) {
+        take<Functions>(problem, step.policies(), nodes, from, parts, dt, s, shape_of);
       });
     };
     switch (problem.method.stress) {
@@ -252,54 +234,62 @@ class Filtered : public SingleMap<D> {
     const std::vector<double>& mass = step.nodes().mass;
     const ImageParticles<D>& images = step.nodes().images;
     const auto kernels = detail::RowKernels<D>::best();
-    std::vector<Vector<D>> left = velocity;
-    std::vector<Vector<D>> of_all;  // what particles see of `left`, where others show it as well
-    for (int j = 1; j < problem.method.order; ++j) {
-      const detail::NodeRows from = rows_of<D>(problem, left, nullptr);
-      detail::NodeRows back(left.size(), 4);
-      std::fill(back[0], back[left.size()], 0.0);
-      with_shape(problem.method, [&](auto shape_of) {
-        using Seen = typename decltype(shape_of)::template Nodes<D>;
-        const auto see = [&](const Seen& at) {
+    const auto add = [&]<class Functions>(auto shape_of, Kind<Functions>) {
+      std::vector<Vector<D>> left = velocity;
+      std::vector<Vector<D>> of_all;  // what particles see of `left`, where others show it as well
+      const auto rows_of_particles = [&](const Particles<D>& of) {
+        return ScatterByRows(of.size(), problem.threads, [&](std::size_t p) {
+          return shape_of.nodes_along(problem.grid, of, p, D - 1);
+        });
+      };
+      const ScatterByRows order = rows_of_particles(particles);
+      const ScatterByRows order_of_images = rows_of_particles(images.particles);
+      for (int j = 1; j < problem.method.order; ++j) {
+        const detail::NodeRows from = rows_of<D>(problem, left, nullptr);
+        detail::NodeRows back(left.size(), 4);
+        std::fill(back[0], back[left.size()], 0.0);
+        const auto see = [&](const Functions& at) {
           alignas(32) std::array<double, 4> four;
-          kernels.take_four(detail::list_of(at), from.data(), four.data());
+          kernels.take_four(at.list(), from.data(), four.data());
           return Vector<D>(Eigen::Map<const Vector<D>>(four.data()));
         };
         if (step.parts() || !images.of.empty()) {
           of_all.assign(particles.size(), Vector<D>::Zero());
-          for_each_shape<Seen>(
-              problem, s, step.nodes(), shape_of,
-              [&](std::size_t p, const Seen& at, Seen&) { of_all[p] = see(at); },
-              [](std::size_t, std::size_t) {});
+          parallel_blocks(s.own(), particles_per_block, problem.threads,
+                          [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
+                            Functions at;
+                            for (std::size_t p = begin; p < end; ++p) {
+                              at.look(problem, particles, step.nodes(), shape_of, p);
+                              of_all[p] = see(at);
+                            }
+                          });
           if (step.parts()) step.parts()->copy_to(s, of_all);
         }
         // Adds what `of` show, shown(p, their functions).
-        const auto give_back = [&](const Particles<D>& of, const auto& shown) {
-          const auto rows = [&](std::size_t p) {
-            return shape_of.nodes_along(problem.grid, of, p, D - 1);
-          };
-          const auto give = [&](std::size_t p, Seen& at) RECON_FLATTEN {
-            shape_of.shape(problem.grid, of, p, at);
+        const auto give_back = [&](const Particles<D>& of, const ScatterByRows& in_order,
+                                   const auto& shown) {
+          in_order.add<Functions>([&](std::size_t p, Functions& at) RECON_FLATTEN {
+            at.look(problem, of, step.nodes(), shape_of, p);
             const Vector<D> v = of.mass[p] * shown(p, at);
             alignas(32) std::array<double, 4> four{};
             std::copy(v.begin(), v.end(), four.begin());
-            kernels.give_four(detail::list_of(at), four.data(), back.data());
-          };
-          scatter_by_rows<Seen>(of.size(), problem.threads, rows, give);
+            kernels.give_four(at.list(), four.data(), back.data());
+          });
         };
-        give_back(particles, [&](std::size_t p, const Seen& at) {
+        give_back(particles, order, [&](std::size_t p, const Functions& at) {
           return of_all.empty() ? see(at) : of_all[p];
         });
-        if (images.of.empty()) return;
-        give_back(images.particles, [&](std::size_t i, const Seen&) {
-          return images.of[i].vector(of_all[images.of[i].of]);
-        });
-      });
-      for (std::size_t i = 0; i < left.size(); ++i)
-        for (int d = 0; d < D && mass[i] != 0; ++d) left[i][d] -= back[i][d] / mass[i];
-      step.policies().boundaries.rest(left);
-      for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
-    }
+        if (!images.of.empty())
+          give_back(images.particles, order_of_images, [&](std::size_t i, const Functions&) {
+            return images.of[i].vector(of_all[images.of[i].of]);
+          });
+        for (std::size_t i = 0; i < left.size(); ++i)
+          for (int d = 0; d < D && mass[i] != 0; ++d) left[i][d] -= back[i][d] / mass[i];
+        step.policies().boundaries.rest(left);
+        for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
+      }
+    };
+    with_seen<D>(problem.method, add);
     return velocity;
   }
 };

@@ -1,8 +1,7 @@
 // What particles give to the nodes, and the fitted velocity maps.
 #include <numeric>
 
-#include "mpm/modes.hpp"
-#include "mpm/policies.hpp"
+#include "mpm/seen.hpp"
 #include "recon/operators/reconstruct.hpp"
 #include "recon/transfer/scatter.hpp"
 
@@ -13,24 +12,24 @@ namespace {
 //   v_p                       mass_weighted, and fits before they are made
 //   v_p + L_p (x_k - x_p)     taylor
 //   v_p + sum_r c_r s_r(x_k)  affine, polynomial
-template <int D, class Shape>
+template <int D, class Shape, class Seen>
 struct Scatter {
   const Problem<D>& problem;
   const Particles<D>& particles;
   const std::vector<Vector<D>>& b;
   const FromParticles& from;
-  Nodes<D>& nodes;
-  detail::NodeRows& rows;  // mass, momentum, internal force and stiffness of each node
+  const Nodes<D>& nodes;
+  detail::NodeRows& rows;    // mass, momentum, internal force and stiffness of each node
+  detail::NodeRows& pushes;  // what body forces give; none where b is empty
   const Shape shape_of;
   const Grid<D>& grid = problem.grid;
   const VelocityMap map = problem.method.velocity;
+  const bool shows_more = map == VelocityMap::taylor || mode_count(map, D) > 0;
   const std::size_t modes = mode_count(map, D);
   const detail::RowKernels<D> kernels = detail::RowKernels<D>::best();
 
   struct Scratch {
-    typename Shape::template Nodes<D> shape;
-    ParticleModes<D, Shape> modes;
-    std::vector<Vector<D>> offset;     // of the nodes, from the particle
+    Seen seen;
     std::vector<double> coefficients;  // of the velocity that the particle shows beyond its own
     detail::Given given{};
   };
@@ -45,23 +44,20 @@ struct Scatter {
 
   void add(std::size_t p, Scratch& scratch) const {
     if (from.leaves_out(grid, particles.x[p])) return;
-    auto& shape = scratch.shape;
+    Seen& seen = scratch.seen;
     detail::Given& given = scratch.given;
-    const double volume = functions_of(problem, particles, nodes, shape_of, p, shape);
+    const double volume = seen.look(problem, particles, nodes, shape_of, p);
     const double mass = particles.mass[p];
     for (int d = 0; d < D; ++d) given.value[1 + d] = mass * particles.v[p][d];
-    if (map == VelocityMap::taylor) {
-      scratch.offset.resize(shape.size());
-      for (std::size_t k = 0; k < shape.size(); ++k)
-        scratch.offset[k] = grid.position(shape.node[k]) - particles.x[p];
-      given.modes = {scratch.offset.data()->data(), 1, D, D};
-      show_also(scratch, mass,
-                [&](std::size_t d) { return particles.L[p].col(static_cast<int>(d)); });
-    } else if (modes > 0) {
-      fill_modes(grid, shape_of, particles.x[p], shape, map, scratch.modes);
-      given.modes = list_of(scratch.modes);
-      const Vector<D>* carried = &particles.modes[p * modes];
-      show_also(scratch, mass, [&](std::size_t r) -> const Vector<D>& { return carried[r]; });
+    if (shows_more) {
+      seen.look_along(problem, shape_of, particles.x[p]);
+      if (map == VelocityMap::taylor)
+        show_also(scratch, mass,
+                  [&](std::size_t d) { return particles.L[p].col(static_cast<int>(d)); });
+      else
+        show_also(scratch, mass, [&](std::size_t r) -> const Vector<D>& {
+          return particles.modes[p * modes + r];
+        });
     }
     if (from.mass_and_force) {
       given.value[0] = mass;
@@ -72,20 +68,24 @@ struct Scatter {
         const Lame& elastic = lame(problem.materials[static_cast<std::size_t>(particles.body[p])]);
         given.squared = volume * (elastic.lambda + 2 * elastic.mu);
       }
-      if (!b.empty()) shape.add(nodes.force, Vector<D>(mass * b[p]), trusted);
+      if (!b.empty()) {
+        alignas(32) std::array<double, 4> push{};
+        for (int d = 0; d < D; ++d) push[static_cast<std::size_t>(d)] = mass * b[p][d];
+        kernels.give_four(seen.list(), push.data(), pushes.data());
+      }
     }
-    kernels.give(detail::list_of(shape), given, rows.data());
+    kernels.give(seen.list(), given, rows.data());
   }
 
   // With the coefficients c(r) of the modes; those that the functions cannot tell count as zero.
   template <class Coefficient>
   void show_also(Scratch& scratch, double mass, const Coefficient& c) const {
+    scratch.given.modes = scratch.seen.modes();
     const std::size_t count = scratch.given.modes.count;
     scratch.coefficients.assign(4 * count, 0);
     scratch.given.coefficients = scratch.coefficients.data();
     for (std::size_t r = 0; r < count; ++r) {
-      if constexpr (is_product<D, Shape>)
-        if (map != VelocityMap::taylor && !(scratch.modes.norm(static_cast<int>(r)) > 0)) continue;
+      if (map != VelocityMap::taylor && !scratch.seen.tells(r)) continue;
       for (int d = 0; d < D; ++d)
         scratch.coefficients[4 * r + 1 + static_cast<std::size_t>(d)] = mass * c(r)[d];
     }
@@ -219,17 +219,21 @@ void MapPolicy<D>::to_nodes(const State<D>& s, const std::vector<Vector<D>>& b,
                             const FromParticles& from, Nodes<D>& nodes) const {
   const Problem<D>& problem = this->problem_;
   const std::size_t count = nodes.mass.size();
-  detail::NodeRows rows(count, 8);
+  const bool pushed = !b.empty() && from.mass_and_force;
+  detail::NodeRows rows(count, 8), pushes(pushed ? count : 0, 4);
   const auto for_nodes = [&](const auto& work) {
     parallel_blocks(count, nodes_per_block, problem.threads, work);
   };
-  for_nodes([&](std::size_t begin, std::size_t end) { std::fill(rows[begin], rows[end], 0.0); });
-  with_shape(problem.method, [&](auto shape_of) {
-    using Sum = Scatter<D, decltype(shape_of)>;
-    Sum{problem, s.particles, b, from, nodes, rows, shape_of}.run();
+  for_nodes([&](std::size_t begin, std::size_t end) {
+    std::fill(rows[begin], rows[end], 0.0);
+    if (pushed) std::fill(pushes[begin], pushes[end], 0.0);
+  });
+  with_seen<D>(problem.method, [&]<class Seen>(auto shape_of, Kind<Seen>) {
+    using Sum = Scatter<D, decltype(shape_of), Seen>;
+    Sum{problem, s.particles, b, from, nodes, rows, pushes, shape_of}.run();
     const ImageParticles<D>& images = nodes.images;
     if (!images.of.empty())
-      Sum{problem, images.particles, images.body_force, from, nodes, rows, shape_of}.run();
+      Sum{problem, images.particles, images.body_force, from, nodes, rows, pushes, shape_of}.run();
   });
   for_nodes([&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -238,6 +242,7 @@ void MapPolicy<D>::to_nodes(const State<D>& s, const std::vector<Vector<D>>& b,
       for (int d = 0; d < D; ++d) {
         nodes.momentum[i][d] += row[1 + d];
         nodes.force[i][d] += row[4 + d];
+        if (pushed) nodes.force[i][d] += pushes[i][d];
       }
       if (nodes.stiffness.empty()) continue;
       for (int d = 0; d < D; ++d) nodes.internal[i][d] += row[4 + d];

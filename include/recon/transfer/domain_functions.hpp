@@ -62,13 +62,18 @@ BoxDomain<D> cpgimp_domain(const SpaceVector<D>& x, const SpaceMatrix<D>& H,
   return box;
 }
 
+// Coordinate d of corner a.
+template <int D>
+double corner_along(const ParallelepipedDomain<D>& domain, int a, int d) {
+  double at = domain.x[d];
+  for (int e = 0; e < D; ++e) at += (a >> e & 1 ? 1.0 : -1.0) * domain.half_edges(d, e);
+  return at;
+}
 template <int D>
 DomainCorners<D> corners_of(const ParallelepipedDomain<D>& domain) {
   DomainCorners<D> at;
-  for (int a = 0; a < 1 << D; ++a) {
-    at[a] = domain.x;
-    for (int d = 0; d < D; ++d) at[a] += (a >> d & 1 ? 1.0 : -1.0) * domain.half_edges.col(d);
-  }
+  for (int a = 0; a < 1 << D; ++a)
+    for (int d = 0; d < D; ++d) at[a][d] = corner_along(domain, a, d);
   return at;
 }
 
@@ -104,17 +109,18 @@ template <int D>
 void average(const CartesianGrid<D>& grid, int d, double x, double l,
              AxisFunctions<AtMost<widest_box>>& axis) {
   require_box(grid, d, x, l);
-  const double per_h = grid.inverse_h(), per_edge = 1 / (2 * l);
-  const int last = grid.cell(x + l, d);
+  const double per_h = grid.inverse_h(), per_edge = grid.h() / (2 * l);
+  const int cells = grid.cell(x + l, d) - grid.cell(x - l, d);
   axis.first = grid.cell(x - l, d);
-  axis.count = last - axis.first + 2;
+  axis.count = cells + 2;
   axis.S[0] = axis.G[0] = 0;
-  for (int c = axis.first; c <= last; ++c) {
-    const double begin = c == axis.first ? x - l : grid.node(c, d);
-    const double end = c == last ? x + l : grid.node(c + 1, d);
+  // In cells from the first node on.
+  const double lower = grid.node(axis.first, d);
+  const double low = (x - l - lower) * per_h, high = (x + l - lower) * per_h;
+  for (int k = 0; k <= cells; ++k) {
+    const double begin = k == 0 ? low : k, end = k == cells ? high : k + 1;
     const double part = (end - begin) * per_edge;
-    const double xi = ((begin + end) / 2 - grid.node(c, d)) * per_h;
-    const int k = c - axis.first;
+    const double xi = (begin + end) / 2 - k;
     axis.S[k] += part * (1 - xi);
     axis.S[k + 1] = part * xi;
     axis.G[k] -= part * per_h;
@@ -197,16 +203,26 @@ void from_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
 }
 
 // The nodes of the cells that hold corners: of the very corners that the functions are taken at, so
-// that no other node is touched, not even by rounding.
+// that no other node is touched, not even by rounding. Of the coordinates of the corners along d.
+template <int D>
+std::pair<int, int> nodes_of_corners(const CartesianGrid<D>& grid,
+                                     const std::array<double, 1 << D>& along, int d) {
+  double least = along[0], most = along[0], zero = 0;  // and NaN where one is not finite
+  for (const double x : along) {
+    least = std::min(least, x);
+    most = std::max(most, x);
+    zero += x - x;
+  }
+  if (zero != 0) [[unlikely]]
+    for (const double x : along) grid.require_coordinate(x, d);
+  return {grid.cell(least, d), grid.cell(most, d) + 1};
+}
 template <int D>
 std::pair<int, int> nodes_of_corners(const CartesianGrid<D>& grid, const DomainCorners<D>& corners,
                                      int d) {
-  std::pair<int, int> nodes{grid.cells(d), 0};
-  for (const SpaceVector<D>& corner : corners) {
-    const int cell = grid.cell(corner[d], d);
-    nodes = {std::min(nodes.first, cell), std::max(nodes.second, cell + 1)};
-  }
-  return nodes;
+  std::array<double, 1 << D> along;
+  for (int a = 0; a < 1 << D; ++a) along[a] = corners[a][d];
+  return nodes_of_corners<D>(grid, along, d);
 }
 
 // The nodes along an axis of what extends by `reach` to both sides of x.
@@ -223,12 +239,19 @@ struct GimpFunctions {
   template <int D>
   using Nodes = NodeFunctions<D>;
 
+  // Of each axis; the functions are the products.
+  template <int D>
+  using Axes = std::array<detail::AxisFunctions<AtMost<detail::widest_box>>, D>;
+  template <int D>
+  static void write_axes(const CartesianGrid<D>& grid, const BoxDomain<D>& box, Axes<D>& axes) {
+    for (int d = 0; d < D; ++d) detail::average(grid, d, box.x[d], box.half_edges[d], axes[d]);
+  }
   // Not inlined: where all calls of a loop over particles are, it would be a quarter slower.
   template <int D>
   [[gnu::noinline]] static void at(const CartesianGrid<D>& grid, const BoxDomain<D>& box,
                                    NodeFunctions<D>& out) {
-    std::array<detail::AxisFunctions<AtMost<detail::widest_box>>, D> axes;
-    for (int d = 0; d < D; ++d) detail::average(grid, d, box.x[d], box.half_edges[d], axes[d]);
+    Axes<D> axes;
+    write_axes<D>(grid, box, axes);
     detail::tensor_product<D>(grid, axes, out);
   }
   template <int D>
@@ -268,7 +291,9 @@ struct Cpdi1Functions {
   template <int D>
   static std::pair<int, int> nodes_along(const CartesianGrid<D>& grid,
                                          const ParallelepipedDomain<D>& domain, int d) {
-    return detail::nodes_of_corners<D>(grid, corners_of(domain), d);
+    std::array<double, 1 << D> along;
+    for (int a = 0; a < 1 << D; ++a) along[a] = corner_along(domain, a, d);
+    return detail::nodes_of_corners<D>(grid, along, d);
   }
   template <int D>
   static void check(const CartesianGrid<D>& grid, const ParallelepipedDomain<D>& domain) {
@@ -278,8 +303,7 @@ struct Cpdi1Functions {
     const SpaceVector<D> reach = domain.half_edges.cwiseAbs().rowwise().sum();
     grid.require_point(SpaceVector<D>(domain.x.cwiseAbs() + reach));
   }
-
- private:
+  // Of the half edges.
   template <int D>
   static SpaceMatrix<D> inverse_of(const ParallelepipedDomain<D>& domain) {
     SpaceMatrix<D> inverse = domain.half_edges.inverse();

@@ -48,6 +48,46 @@ namespace detail {
 // the others. Gives the number of the former.
 template <int D>
 int invert_along(const SpaceMatrix<D>& matrix, double least, SpaceMatrix<D>& inverse);
+
+// s_0, s_1 and s_2 of an axis at its nodes, and their norms.
+inline constexpr int widest_with_modes = 4;  // nodes of a spline on an axis
+struct AxisModes {
+  double norm[3];
+  double value[3][widest_with_modes];
+};
+// Up to s_1 where no quadratic ones are asked for.
+template <int D, class Count>
+AxisModes modes_of_axis(const CartesianGrid<D>& grid, const AxisFunctions<Count>& axis, double x,
+                        int d, bool quadratic) {
+  static_assert(Count::most <= widest_with_modes);
+  constexpr double least_linear = 1e-12, least_quadratic = 1e-6;
+  const double h = grid.h();
+  AxisModes modes{};
+  double mean = 0;
+  for (int k = 0; k < axis.count; ++k) {
+    modes.value[0][k] = 1;
+    modes.value[1][k] = grid.node(axis.first + k, d) - x;
+    modes.norm[0] += axis.S[k];
+    mean += axis.S[k] * modes.value[1][k];
+  }
+  mean /= modes.norm[0];
+  double third = 0;
+  for (int k = 0; k < axis.count; ++k) {
+    double& s = modes.value[1][k];
+    s -= mean;
+    modes.norm[1] += axis.S[k] * s * s;
+    third += axis.S[k] * s * s * s;
+  }
+  if (!(modes.norm[1] > least_linear * h * h)) modes.norm[1] = 0;
+  if (modes.norm[1] == 0 || !quadratic) return modes;
+  for (int k = 0; k < axis.count; ++k) {
+    const double s = modes.value[1][k];
+    modes.value[2][k] = s * s - third / modes.norm[1] * s - modes.norm[1] / modes.norm[0];
+    modes.norm[2] += axis.S[k] * modes.value[2][k] * modes.value[2][k];
+  }
+  if (!(modes.norm[2] > least_quadratic * h * h * h * h)) modes.norm[2] = 0;
+  return modes;
+}
 }  // namespace detail
 
 // affine: s_1 of each axis; that of axis d has number d. polynomial: all products of the s_(r_d)
@@ -73,11 +113,10 @@ class PolynomialModes {
   template <class Count, class Point>
   void fill(const CartesianGrid<D>& grid, const std::array<detail::AxisFunctions<Count>, D>& axes,
             const Point& x, ModeSet set) {
-    static_assert(Count::most <= widest);
-    std::array<Axis, D> of;
+    std::array<detail::AxisModes, D> of;
     nodes_ = 1;
     for (int d = 0; d < D; ++d) {
-      of[d] = modes_of(grid, axes[d], x[d], d);
+      of[d] = detail::modes_of_axis(grid, axes[d], x[d], d, set == ModeSet::polynomial);
       nodes_ *= static_cast<std::size_t>(axes[d].count);
     }
     set_ = set;
@@ -167,50 +206,12 @@ class PolynomialModes {
   }
 
  private:
-  static constexpr int widest = 4;  // nodes of a spline on an axis
-  struct Axis {
-    double norm[3];
-    double value[3][widest];
-  };
-
-  template <class Count>
-  static Axis modes_of(const CartesianGrid<D>& grid, const detail::AxisFunctions<Count>& axis,
-                       double x, int d) {
-    constexpr double least_linear = 1e-12, least_quadratic = 1e-6;
-    const double h = grid.h();
-    Axis modes{};
-    double mean = 0;
-    for (int k = 0; k < axis.count; ++k) {
-      modes.value[0][k] = 1;
-      modes.value[1][k] = grid.node(axis.first + k, d) - x;
-      modes.norm[0] += axis.S[k];
-      mean += axis.S[k] * modes.value[1][k];
-    }
-    mean /= modes.norm[0];
-    double third = 0;
-    for (int k = 0; k < axis.count; ++k) {
-      double& s = modes.value[1][k];
-      s -= mean;
-      modes.norm[1] += axis.S[k] * s * s;
-      third += axis.S[k] * s * s * s;
-    }
-    if (!(modes.norm[1] > least_linear * h * h)) modes.norm[1] = 0;
-    if (modes.norm[1] == 0) return modes;
-    for (int k = 0; k < axis.count; ++k) {
-      const double s = modes.value[1][k];
-      modes.value[2][k] = s * s - third / modes.norm[1] * s - modes.norm[1] / modes.norm[0];
-      modes.norm[2] += axis.S[k] * modes.value[2][k] * modes.value[2][k];
-    }
-    if (!(modes.norm[2] > least_quadratic * h * h * h * h)) modes.norm[2] = 0;
-    return modes;
-  }
-
   static constexpr int most_modes = mode_count(ModeSet::polynomial, D);
   ModeSet set_ = ModeSet::affine;
   int count_ = 0;
   std::size_t nodes_ = 0;
   std::array<double, most_modes> norm_{};
-  std::array<double, most_modes * detail::to_the_power<widest>(D)> value_{};
+  std::array<double, most_modes * detail::to_the_power<detail::widest_with_modes>(D)> value_{};
 };
 
 // Nodal data are vectors of Eigen here. Keeps its memory from particle to particle.

@@ -252,6 +252,22 @@ struct SplineAxis {
   }
 };
 
+struct MomentSplineAxis : SplineAxis<2> {
+  template <int D>
+  AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
+    AxisFunctions<AxisCount> axis = SplineAxis<2>::axis(grid, x, d);
+    if (axis.count == 2) return axis;
+    double second = 0;
+    for (int k = 0; k < axis.count; ++k) {
+      axis.G[k] = grid.node(axis.first + k, d) - x;
+      const double offset = axis.G[k];
+      second += axis.S[k] * offset * offset;
+    }
+    for (int k = 0; k < axis.count; ++k) axis.G[k] *= axis.S[k] / second;
+    return axis;
+  }
+};
+
 template <int degree>
 struct CellAxis {
   using AxisCount = AtMost<degree + 2>;
@@ -307,35 +323,15 @@ using NineNodeFunctions = detail::ProductFunctions<detail::QuadraticAxis>;
 // SplineFunctions<3>{{border}} where the border is not `corrected`.
 template <int degree>
 using SplineFunctions = detail::ProductFunctions<detail::SplineAxis<degree>>;
-// CellFunctions<2>{{border}} where the border is not `corrected`.
-template <int degree>
-using CellFunctions = detail::ProductFunctions<detail::CellAxis<degree>>;
-
 // Quadratic splines with other gradients: G is the slope of the least-squares plane through the
 // nodes, weighted by S, G_i = S_i D^-1 (x_i - x) with D = sum_i S_i (x_i - x)(x_i - x)^T, which is
 // h^2 / 4 on quadratic splines (Hu et al. 2018, MLS-MPM). sum_i G_i = 0, and gradients of linear
 // fields are exact. Next to a face only two nodes are left on an axis, and both kinds of gradient
 // are the same.
-struct MomentSplineFunctions : SplineFunctions<2> {
-  template <int D, class Point, class Count>
-  void at(const CartesianGrid<D>& grid, const Point& x, NodeFunctions<D, Count>& out) const {
-    static_assert(detail::takes<Count, typename detail::Product<AxisCount, D>::Count>,
-                  "these functions have more nodes than the object takes: use their type Nodes<D>");
-    const auto functions = axes(grid, x);
-    detail::tensor_product<D>(grid, functions, out);
-    for (int d = 0; d < D; ++d) {
-      const auto& axis = functions[d];
-      if (axis.count == 2) continue;
-      double second = 0;
-      for (int k = 0; k < axis.count; ++k) {
-        const double offset = grid.node(axis.first + k, d) - x[d];
-        second += axis.S[k] * offset * offset;
-      }
-      for (std::size_t n = 0; n < out.size(); ++n)
-        out.G[n][d] = out.S[n] * (grid.position(out.node[n])[d] - x[d]) / second;
-    }
-  }
-};
+using MomentSplineFunctions = detail::ProductFunctions<detail::MomentSplineAxis>;
+// CellFunctions<2>{{border}} where the border is not `corrected`.
+template <int degree>
+using CellFunctions = detail::ProductFunctions<detail::CellAxis<degree>>;
 
 // N = (1 + xi xi_i)(1 + eta eta_i)(xi xi_i + eta eta_i - 1) / 4 at corners,
 // (1 - xi^2)(1 + eta eta_i) / 2 at the middle of sides, with xi and eta from -1 to 1 over the

@@ -119,47 +119,66 @@ void check_domain(const CartesianGrid<D>& grid, const Functions& functions, cons
 
 }  // namespace detail
 
-// The loop that scatter() is made of, for functions of your own making: calls add(p, scratch) for
-// every particle p, where rows(p) gives the first and the last index, of the last axis, of the
+// The loop that scatter() is made of, for functions of your own making: add() calls add(p, scratch)
+// for every particle p, where rows(p) gives the first and the last index, of the last axis, of the
 // nodes that p adds to. Scratch is default-constructed once per slab. All calls of rows() come before
-// the first of add(). Throws InvalidArgument for rows that are negative or in the wrong order.
-// threads <= 0: default_threads().
+// the first of add(); for several sums at the same places they need not be repeated. Throws
+// InvalidArgument for rows that are negative or in the wrong order. threads <= 0: default_threads().
+class ScatterByRows {
+ public:
+  template <class Rows>
+  ScatterByRows(std::size_t particles, int threads, const Rows& rows)
+      : threads_(threads), order_(particles) {
+    constexpr std::size_t block = 4096;
+    constexpr int thinnest = 4;
+    const std::span<std::uint32_t> first_rows = order_.first_rows();
+    std::atomic<int> span{thinnest}, last_row{0};
+    parallel_blocks(particles, block, threads, [&](std::size_t begin, std::size_t end) {
+      int most = 0, last = 0;
+      detail::for_particles(
+          begin, end, [](std::size_t p) { return p; },
+          [&](std::size_t p) {
+            const std::pair<int, int> touched = rows(p);
+            if (touched.first < 0 || touched.second < touched.first) [[unlikely]]
+              detail::throw_rows(touched.first, touched.second);
+            first_rows[p] = static_cast<std::uint32_t>(touched.first);
+            most = std::max(most, touched.second - touched.first);
+            last = std::max(last, touched.second);
+          });
+      for (int seen = span; seen < most && !span.compare_exchange_weak(seen, most);) {
+      }
+      for (int seen = last_row; seen < last && !last_row.compare_exchange_weak(seen, last);) {
+      }
+    });
+    const int thickness = span;
+    slabs_ = static_cast<std::size_t>(last_row / thickness) + 1;
+    order_.sort(static_cast<std::uint32_t>(thickness), slabs_, threads);
+  }
+
+  template <class Scratch, class Add>
+  void add(const Add& add) const {
+    const std::span<const std::uint32_t> begin = order_.begin(), order = order_.order();
+    for (std::size_t colour = 0; colour < 2; ++colour)
+      parallel_blocks(
+          (slabs_ + 1 - colour) / 2, 1, threads_, [&](std::size_t from, std::size_t to) {
+            Scratch scratch;
+            for (std::size_t s = 2 * from + colour; s < 2 * to + colour && s < slabs_; s += 2)
+              detail::for_particles(
+                  begin[s], begin[s + 1], [&](std::uint32_t i) { return order[i]; },
+                  [&](std::uint32_t p) { add(p, scratch); });
+          });
+  }
+
+ private:
+  int threads_;
+  std::size_t slabs_ = 0;
+  detail::SlabOrder order_;
+};
+
+// The same for one sum.
 template <class Scratch, class Rows, class Add>
 void scatter_by_rows(std::size_t particles, int threads, const Rows& rows, const Add& add) {
-  constexpr std::size_t block = 4096;
-  constexpr int thinnest = 4;
-  detail::SlabOrder slab_order(particles);
-  const std::span<std::uint32_t> first_rows = slab_order.first_rows();
-  std::atomic<int> span{thinnest}, last_row{0};
-  parallel_blocks(particles, block, threads, [&](std::size_t begin, std::size_t end) {
-    int most = 0, last = 0;
-    detail::for_particles(
-        begin, end, [](std::size_t p) { return p; },
-        [&](std::size_t p) {
-          const std::pair<int, int> touched = rows(p);
-          if (touched.first < 0 || touched.second < touched.first) [[unlikely]]
-            detail::throw_rows(touched.first, touched.second);
-          first_rows[p] = static_cast<std::uint32_t>(touched.first);
-          most = std::max(most, touched.second - touched.first);
-          last = std::max(last, touched.second);
-        });
-    for (int seen = span; seen < most && !span.compare_exchange_weak(seen, most);) {
-    }
-    for (int seen = last_row; seen < last && !last_row.compare_exchange_weak(seen, last);) {
-    }
-  });
-  const int thickness = span;
-  const std::size_t slabs = static_cast<std::size_t>(last_row / thickness) + 1;
-  slab_order.sort(static_cast<std::uint32_t>(thickness), slabs, threads);
-  const std::span<const std::uint32_t> begin = slab_order.begin(), order = slab_order.order();
-  for (std::size_t colour = 0; colour < 2; ++colour)
-    parallel_blocks((slabs + 1 - colour) / 2, 1, threads, [&](std::size_t from, std::size_t to) {
-      Scratch scratch;
-      for (std::size_t s = 2 * from + colour; s < 2 * to + colour && s < slabs; s += 2)
-        detail::for_particles(
-            begin[s], begin[s + 1], [&](std::uint32_t i) { return order[i]; },
-            [&](std::uint32_t p) { add(p, scratch); });
-    });
+  ScatterByRows(particles, threads, rows).add<Scratch>(add);
 }
 
 // Calls add(p, at) for every particle p, with `at` the nodes that it sees (NodeFunctions): add may
