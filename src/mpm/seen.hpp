@@ -95,7 +95,7 @@ class ByAxes<D, ParticleShape<Functions, DomainOf>> {
           norm_[d] = modes.norm[1];
           sum[d] = modes.norm[0];
         };
-        if constexpr (std::tuple_size_v<decltype(axes_[d].S)> > 2) {
+        if constexpr (std::tuple_size_v < decltype(axes_[d].S) >> 2) {
           if (axes_[d].count == 3) {  // most often: loops are made of this number
             detail::AxisFunctions<Exactly<3>> three;
             three.first = axes_[d].first;
