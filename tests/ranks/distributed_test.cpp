@@ -202,17 +202,18 @@ TEST(OnRanks, WallsAndLoadsActAsOnOne) {
 }
 
 // A body that flies out of the boxes of some ranks, which have no particles then.
+// Not fast: L is made of differences of velocities, whose rounding is that of the velocities.
 TEST(OnRanks, ARankMayRunOutOfParticles) {
   for (const char* name : {"mpm", "cpls", "impm", "imls_mpm", "impm_adjoint"}) {
     Problem<2> problem = thrown<2>(method_named(name));
     keep_first(144, {}, problem.particles);
     problem.gravity.setZero();
     problem.time.rule = StepRule::fixed;
-    problem.time.step = 0.003;
+    problem.time.step = 0.012;
     constexpr int steps = 22;  // through more than the width of the body
     for (std::size_t p = 0; p < problem.particles.size(); ++p) {
       problem.particles.x[p][0] -= 0.1;
-      problem.particles.v[p] = Vector<2>(6, 0.1 * std::sin(20 * problem.particles.x[p][1]));
+      problem.particles.v[p] = Vector<2>(1.5, 0.1 * std::sin(20 * problem.particles.x[p][1]));
     }
     problem.particles.X = problem.particles.x;
     DistributedSimulation<2> parts(world(), problem);
