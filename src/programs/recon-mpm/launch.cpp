@@ -43,10 +43,7 @@ struct Launch::All {};
 Launch::Launch() = default;
 
 void Launch::require_ranks() const {
-  if (started().copies > 1)
-    fail_usage(std::to_string(started().copies) +
-               " copies were started, which would all write the same files: this program was built "
-               "without ranks (RECON_BUILD_PETSC); start it once, without mpirun or srun");
+  if (started().copies > 1) fail_without_ranks();
 }
 
 void Launch::together(const std::function<void()>& work) const {

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <optional>
 
@@ -361,9 +360,7 @@ Command add_run(CLI::App& app, const Launch& launch) {
     launch.together([&] { problem = options->problem.read(); });
     std::visit(
         [&](auto& file) {
-          // Ranks are as many as there are processors: each has one, unless it is said.
-          if (launch.has_ranks() && file.problem.threads == 0 && !std::getenv("OMP_NUM_THREADS"))
-            file.problem.threads = 1;
+          if (launch.has_ranks()) file.problem.threads = threads_of_a_rank(file.problem.threads);
           run(*options, file, launch);
         },
         *problem);

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -119,8 +118,8 @@ struct Slab {
 
 // Each particle to the rank whose slab it lies in, so that others need it only beside its borders.
 // What is not used any more does not go with it.
-void bring_home(const Mappers& ranks, const StructuredGrid<double>& grid, const MapOptions& options,
-                const FieldPlan& plan, Particles& particles) {
+void bring_home(const Mappers& ranks, const StructuredGrid<double>& grid, int axis,
+                const MapOptions& options, const FieldPlan& plan, Particles& particles) {
   std::vector<std::string> names = particles.axes;
   const auto add = [&](const std::string& name) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
@@ -134,7 +133,6 @@ void bring_home(const Mappers& ranks, const StructuredGrid<double>& grid, const 
     const std::vector<double>& column = particles.table.column(names[c]);
     for (std::size_t p = 0; p < own; ++p) rows[p * width + c] = column[p];
   }
-  const int axis = Slab(grid, 0, ranks.size()).axis;
   std::vector<int> owner(own);
   for (std::size_t p = 0; p < own; ++p) {
     const double plane =
@@ -196,6 +194,22 @@ FitSummary of_all(const Mappers& ranks, const FitSummary& own) {
   return all;
 }
 
+// The range of the values of all ranks that count.
+FieldRange of_all(const Mappers& ranks, const NamedField& field, int component,
+                  const std::vector<bool>& counts) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  FieldRange range{infinity, -infinity};
+  const FieldView<double> values = field.view();
+  for (std::size_t t = 0; t < counts.size(); ++t) {
+    if (!counts[t]) continue;
+    const double value = values(t, component);
+    range.missing += std::isnan(value) ? 1 : 0;
+    range.least = std::fmin(range.least, value);
+    range.greatest = std::fmax(range.greatest, value);
+  }
+  return {ranks.least(range.least), ranks.greatest(range.greatest), ranks.sum(range.missing)};
+}
+
 fs::path piece_name(const fs::path& out, int rank) {
   return out.stem().string() + "_" + std::to_string(rank) + ".vti";
 }
@@ -244,16 +258,15 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
         "columns of the file hold text in a part of it: name those that are wanted with --fields");
 
   const std::size_t read_here = particles.size();
-  bring_home(ranks, grid, options, plan, particles);
+  const Slab slab(grid, ranks.rank(), ranks.size());
+  bring_home(ranks, grid, slab.axis, options, plan, particles);
   ranks.together([&] {
     fit = fit_options(options.fit, method, particles);
-    // Ranks are as many as there are processors: each has one, unless it is said.
-    if (fit.threads == 0 && std::getenv("OMP_NUM_THREADS") == nullptr) fit.threads = 1;
+    fit.threads = threads_of_a_rank(fit.threads);
   });
 
   // Some targets at a time, so that memory does not grow with them; each time costs an index of the
   // particles.
-  const Slab slab(grid, ranks.rank(), ranks.size());
   const std::size_t plane = grid.size() / grid.counts[slab.axis];
   const std::size_t most_targets = std::max<std::size_t>(200'000, particles.size());
   const std::size_t step = std::max<std::size_t>(1, most_targets / plane);
@@ -261,7 +274,8 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
       std::ceil(static_cast<double>(slab.shown - slab.begin) / static_cast<double>(step))));
   Progress progress("mapping", turns, options.quiet || ranks.rank() > 0);
   MappedFields fields(particles, plan, options.gradient, (slab.shown - slab.begin) * plane);
-  std::vector<FitReport> own;  // without the plane that the next rank has, too
+  std::vector<bool>
+      counts;  // of each target: whether it is not of the plane that the next rank has
   for (std::size_t turn = 0; turn < turns; ++turn) {
     const std::size_t from = std::min(slab.begin + turn * step, slab.shown);
     const std::size_t to = std::min(from + step, slab.shown);
@@ -276,8 +290,7 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
     LimitCount limited;
     limited.components.resize(nodes.plane.size());
     fields.add(at.report().all(), values, slopes, limited);
-    for (std::size_t n = 0; n < nodes.plane.size(); ++n)
-      if (nodes.plane[n] < slab.end) own.push_back(at.report()[n]);
+    for (const std::size_t at_plane : nodes.plane) counts.push_back(at_plane < slab.end);
     progress.advance(1);
   }
   const Mapped mapped = fields.result(method.solver);
@@ -313,29 +326,14 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
     write_pvti(out, grid, pieces, mapped.fields);
   });
 
+  std::vector<FitReport> own;
+  for (std::size_t t = 0; t < counts.size(); ++t)
+    if (counts[t]) own.push_back(mapped.reports[t]);
   const FitSummary summary = of_all(ranks, FitReports(std::move(own), method.solver).summary());
   std::vector<FieldRange> found;
   for (const NamedField& field : mapped.fields) {
     if (field.name == report_names().front()) break;
-    for (int c = 0; c < field.components; ++c) {
-      FieldRange range{std::numeric_limits<double>::infinity(),
-                       -std::numeric_limits<double>::infinity()};
-      const FieldView<double> values = field.view();
-      // Planes across the last axis that counts stand one behind the other only there.
-      const GridPiece shown = slab.piece(grid, slab.begin, slab.shown);
-      std::array<std::size_t, max_dimension> i{};
-      for (std::size_t n = 0; n < field.size(); ++n) {
-        if (i[slab.axis] + slab.begin < slab.end) {
-          const double value = values(n, c);
-          range.missing += std::isnan(value) ? 1 : 0;
-          range.least = std::fmin(range.least, value);
-          range.greatest = std::fmax(range.greatest, value);
-        }
-        for (int d = 0; d < max_dimension && ++i[d] == shown.counts[d]; ++d) i[d] = 0;
-      }
-      found.push_back(
-          {ranks.least(range.least), ranks.greatest(range.greatest), ranks.sum(range.missing)});
-    }
+    for (int c = 0; c < field.components; ++c) found.push_back(of_all(ranks, field, c, counts));
   }
   const auto particles_of = [&](bool most) {
     const auto own_count = static_cast<double>(read_here);
@@ -366,9 +364,7 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
 namespace recon::program {
 
 void map_on_ranks(const MapOptions&, const Method&) {
-  fail_usage(std::to_string(started().copies) +
-             " copies were started, which would all write the same files: this program was built "
-             "without ranks (RECON_BUILD_PETSC); start it once, without mpirun or srun");
+  fail_without_ranks();
 }
 
 }  // namespace recon::program
