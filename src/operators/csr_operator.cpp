@@ -213,6 +213,11 @@ void CsrOperator<Scalar>::apply(const FieldView<Scalar>& field, const FieldSpan<
           static_cast<int>(how.data), "must be an enumerator of recon::Data");
   require(field.size() == columns(), "size of the field", field.size(),
           "must be the number of particles");
+  require(how.bounds.empty() || how.bounds.size() == static_cast<std::size_t>(field.components()),
+          "number of bounds", how.bounds.size(), "must be that of the components of the field");
+  for (const DataBounds& bounds : how.bounds)
+    require(bounds.least <= bounds.greatest, "least value of the bounds", bounds.least,
+            "must be at most the greatest");
   require(out.size() == rows(), "size of the output", out.size(), "must be the number of targets");
   require(out.components() == field.components() * blocks_, "components of the output",
           out.components(), "must be those of the field times the operator's blocks");

@@ -206,8 +206,11 @@ class Product {
         limit_(how.limit),
         trusted_(how.data == Data::trusted && how.limit == Limit::none),
         limited_(limited) {
-    if (limit_ == Limit::relaxed)
+    if (limit_ == Limit::relaxed && how.bounds.empty())
       all_ = ranges_of(field, threads);
+    else if (limit_ == Limit::relaxed)
+      for (const DataBounds& bounds : how.bounds)
+        all_.push_back({static_cast<Scalar>(bounds.least), static_cast<Scalar>(bounds.greatest)});
     else if (limit_ == Limit::range)  // needs no more than the data of each row
       all_.resize(static_cast<std::size_t>(components_));
   }

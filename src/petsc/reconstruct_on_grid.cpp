@@ -4,6 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include "grid/grid_plan.hpp"
+#include "recon/petsc/reconstruct.hpp"
+
 namespace recon::petsc {
 namespace {
 
@@ -106,6 +109,46 @@ GridReconstruction solve_owned(std::span<const double> sums, int components,
   return moments.solve(apply);
 }
 
+namespace {
+
+// From the particles that the nodes of a rank see, as reconstruct() has it.
+GridReconstruction by_halos(const PointsView<double>& points,
+                            const std::vector<FieldView<double>>& fields,
+                            const DistributedGrid& grid, const Options& options,
+                            const GridApply& apply) {
+  Options all = options.for_grid(grid.all());
+  all.domain = grid.domain();
+  const auto nodes = grid.owned().nodes();
+  const Reconstruction fit(grid.communicator().get(), points, nodes.view(), all);
+  const int dimension = grid.all().dimension;
+  int components = 0;
+  for (const FieldView<double>& field : fields) components += field.components();
+  const auto rows = static_cast<Eigen::Index>(grid.owned().size());
+  GridReconstruction::Matrix values(rows, components);
+  GridReconstruction::Matrix gradients(apply.gradients ? rows : 0,
+                                       apply.gradients ? components * dimension : 0);
+  LimitCount limited;
+  if (apply.limit != Limit::none) limited.components.assign(grid.owned().size(), 0);
+  std::optional<Operator> slopes;
+  if (apply.gradients) slopes = fit.gradient(*apply.gradients);
+  Eigen::Index column = 0;
+  for (const FieldView<double>& field : fields) {
+    LimitCount of_field;
+    values.middleCols(column, field.components()) =
+        fit.apply(field, {.limit = apply.limit, .count = &of_field});
+    for (std::size_t i = 0; i < limited.components.size(); ++i)
+      limited.components[i] += of_field.components[i];
+    if (slopes)
+      gradients.middleCols(column * dimension, field.components() * dimension) =
+          slopes->apply(field);
+    column += field.components();
+  }
+  limited.total();
+  return {std::move(values), std::move(gradients), fit.report(), std::move(limited)};
+}
+
+}  // namespace
+
 GridReconstruction reconstruct_on_grid(const PointsView<double>& points,
                                        const std::vector<FieldView<double>>& fields,
                                        const DistributedGrid& grid, const Options& options,
@@ -113,17 +156,21 @@ GridReconstruction reconstruct_on_grid(const PointsView<double>& points,
   int components = 0;
   for (const FieldView<double>& field : fields) components += field.components();
   std::optional<GridMoments> moments;
+  bool halos = false;
+  grid.communicator().together([&] {
+    options.validate();
+    apply.validate();
+    require_no_domain(options);
+    halos = apply.limit != Limit::none || beyond_moments(grid.all(), options, apply);
+  });
   grid.communicator().together(
       [&] {
-        apply.validate();
-        require(apply.limit == Limit::none, "limit", "range",
-                "must be none for moments: the range of the data is not among them");
-        require(apply.gradients != Derivative::exact, "gradients", "exact",
-                "must be diffuse for sums of moments");
-        moments.emplace(moments_of_piece(points, fields, grid, options));
+        if (!halos) moments.emplace(moments_of_piece(points, fields, grid, options));
       },
-      "degree, or components of the fields",
-      {static_cast<double>(options.degree), static_cast<double>(components)});
+      "degree, components of the fields, or whether moments are enough",
+      {static_cast<double>(options.degree), static_cast<double>(components),
+       static_cast<double>(fields.size()), static_cast<double>(halos)});
+  if (halos) return by_halos(points, fields, grid, options, apply);
   const std::vector<double> sums = grid.sum(moments->values(), moments->per_node());
   moments.reset();
   GridReconstruction fit;

@@ -81,12 +81,14 @@ class MapOnRanks : public ProgramTest {
     return std::to_string(i % 32 + 0.1 * (i % 7)) + "," + std::to_string(i / 32 + 0.1 * (i % 5));
   }
 
-  static constexpr const char* on_all = " --limit none --max-distance none";
+  static constexpr const char* on_all = " --max-distance none";
 };
 
 TEST_F(MapOnRanks, FieldsAreThoseOfOneProcess) {
   for (const std::string support : {" --k 20", " --radius 2", " --k 30 --radius 1.5"})
     expect_as_one("\"$CHUTE\" --fields vx,velocity --spacing 1.5" + support + on_all, {2, 3});
+  for (const std::string limit : {" --limit none", " --limit range"})
+    expect_as_one("\"$CHUTE\" --fields speed --spacing 1.5 --k 20" + limit + on_all, {2});
   expect_as_one("\"$CHUTE\" --fields speed --spacing 1.5 --k 30 --method mls:2 --gradient" +
                     std::string(on_all),
                 {2});
@@ -108,10 +110,9 @@ TEST_F(MapOnRanks, AxesAreThoseOfAllParticles) {
 }
 
 TEST_F(MapOnRanks, SaysWhatNeedsAllParticlesAtOnce) {
-  expect_one_message(
-      2, "map \"$CHUTE\" --fields vx --out v.pvti", 1,
-      HasSubstr("on 2 ranks say also --spacing H, --radius R (or --k K), --limit none "
-                "and --max-distance none"));
+  expect_one_message(2, "map \"$CHUTE\" --fields vx --out v.pvti", 1,
+                     HasSubstr("on 2 ranks say also --spacing H, --radius R (or --k K) and "
+                               "--max-distance none"));
   const std::string all = "map \"$CHUTE\" --spacing 2 --k 20" + std::string(on_all);
   expect_one_message(2, all + " --fields vx --out v.vti", 1, HasSubstr("one --out FILE.pvti"));
   expect_one_message(2, all + " --fields vx --out v.pvti --picture v.png", 1,

@@ -154,6 +154,54 @@ TYPED_TEST(Limits, SameBitsForAnyNumberOfThreads) {
   }
 }
 
+// With the bounds of all data a part of them is limited as all are: here those that targets see.
+TYPED_TEST(Limits, APartOfTheDataWithTheBoundsOfAll) {
+  using Scalar = typename TypeParam::Scalar;
+  constexpr int D = TypeParam::D;
+  auto points = random_points<Scalar, D>(600, 1);
+  auto targets = random_points<Scalar, D>(300, 2);
+  for (auto& x : targets)
+    for (Scalar& c : x) c = Scalar(1.6) * c - Scalar(0.3);
+  const auto part = points;
+  const Options options{.degree = 2, .neighbours = Radius{0.4}};
+  points.insert(points.begin(), 2, points[0]);  // far away, and lowest and highest
+  points[0][0] = 50, points[1][0] = 60;
+  auto u = step_and_wave(points);
+  u.row(0).setConstant(-20), u.row(1).setConstant(30);
+  const Matrix<Scalar> u_part = u.bottomRows(static_cast<Eigen::Index>(part.size()));
+  const BasicReconstruction<Scalar> all(points_of(points), points_of(targets), options),
+      some(points_of(part), points_of(targets), options);
+  const std::vector<DataBounds> bounds{{-20, 30}, {-20, 30}};
+  LimitCount counts[3];
+  const Matrix<Scalar> expected =
+      all.apply(field_of(u), {.limit = Limit::relaxed, .count = &counts[0]});
+  const Matrix<Scalar> got = some.apply(
+      field_of(u_part), {.limit = Limit::relaxed, .count = &counts[1], .bounds = bounds});
+  const Matrix<Scalar> without =
+      some.apply(field_of(u_part), {.limit = Limit::relaxed, .count = &counts[2]});
+  EXPECT_EQ(counts[0].components, counts[1].components);
+  EXPECT_GT(counts[2].values, counts[0].values);
+  double apart = 0;
+  for (Eigen::Index t = 0; t < expected.rows(); ++t)
+    for (int c = 0; c < 2; ++c) {
+      const FitReport& report = all.report()[static_cast<std::size_t>(t)];
+      if (report.status == FitStatus::no_support) continue;
+      // What rounding may do: the far particles change how coordinates are rounded.
+      const double rounding = 64 * std::numeric_limits<Scalar>::epsilon() *
+                              std::max(1.0, double(report.amplification)) / report.smallest_pivot;
+      EXPECT_NEAR(got(t, c), expected(t, c), rounding * (1 + std::abs(expected(t, c))));
+      apart = std::max(apart, std::abs(double(without(t, c)) - double(expected(t, c))));
+    }
+  EXPECT_GT(apart, 0.1);
+  const auto refused = [&](std::vector<DataBounds> wrong) {
+    return message_of(
+        [&] { some.apply(field_of(u_part), {.limit = Limit::relaxed, .bounds = wrong}); });
+  };
+  EXPECT_THAT(refused({{0, 1}}), HasSubstr("number of bounds = 1"));
+  EXPECT_THAT(refused({{0, 1}, {1, 0}}), HasSubstr("least value of the bounds = 1"));
+  EXPECT_THAT(refused({{0, 1}, {std::nan(""), 0}}), HasSubstr("least value of the bounds = nan"));
+}
+
 // Three particles close together, values 0, 1, 0: far from them the plane through them is far away.
 TEST(Limit, ThreeParticlesCloseTogether) {
   const PointList<double, 2> points{{0, 0}, {0.3, 0}, {0, 0.3}};

@@ -27,6 +27,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "recon/core/error.hpp"
@@ -59,11 +60,19 @@ struct LimitCount {
 enum class Data : std::uint8_t { checked, trusted };
 inline constexpr Data trusted = Data::trusted;
 
+// The least and the greatest value of one component.
+struct DataBounds {
+  double least, greatest;
+};
+
 // How a fit is applied: fit.apply(u, {.limit = Limit::relaxed, .count = &count}).
 struct Apply {
   Limit limit = Limit::none;
   LimitCount* count = nullptr;  // overwritten, if given; all zero without limiting
   Data data = Data::checked;    // limited values are always checked
+  // For Limit::relaxed where u has a part of all the data alone, as in one of several processes: the
+  // bounds of all the data, for each component. Empty: u has all.
+  std::span<const DataBounds> bounds{};
 };
 
 namespace detail {

@@ -92,6 +92,11 @@ class Reconstruction {
   }
   Operator hessian() const { return {local_.hessian(), halo_}; }
 
+  // Values, limited as in BasicReconstruction::apply(): a row per target of this rank. Collective;
+  // the limit is the same on all ranks. Apply::count is of the targets of this rank, and bounds are
+  // found here, from the data of all ranks. Throws InvalidArgument as Operator::apply() does.
+  Operator::Matrix apply(const FieldView<double>& field, const Apply& how = {}) const;
+
   // What became of each target of this rank.
   const FitReports& report() const { return local_.report(); }
   // The number of particles of other ranks that this rank has got, and how many rounds of halos

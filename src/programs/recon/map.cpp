@@ -159,7 +159,7 @@ Command add_map(CLI::App& app) {
       "      --slice z=3 --out speed.csv --picture speed.png\n"
       "On several ranks, each of which reads a part of the particles (where the program was\n"
       "built with RECON_BUILD_PETSC):\n"
-      "  mpirun -n 4 recon map FILE --fields vx --spacing H --k 20 --limit none \\\n"
+      "  mpirun -n 4 recon map FILE --fields vx --spacing H --k 20 \\\n"
       "      --max-distance none --out v.pvti");
   return [options] { run(*options); };
 }

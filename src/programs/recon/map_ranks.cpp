@@ -75,7 +75,6 @@ void require_possible(const MapOptions& options, const std::string& ranks) {
   std::vector<std::string> missing, beyond;
   if (!options.spacing) missing.push_back("--spacing H");
   if (!options.fit.k && !options.fit.radius) missing.push_back("--radius R (or --k K)");
-  if (options.fit.limit != "none") missing.push_back("--limit none");
   if (options.fit.max_distance != "none") missing.push_back("--max-distance none");
   if (!missing.empty())
     fail_usage("on " + ranks + " say also " + enumeration(missing) +
@@ -283,16 +282,18 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
     const petsc::Reconstruction at(ranks.get(), particles.positions(),
                                    points_of_axes(nodes.x, grid.dimension), fit);
     Eigen::MatrixXd values, slopes;
-    if (const auto& data = fields.data()) {
-      values = at.values().apply(data->view());
-      if (options.gradient) slopes = at.gradient().apply(data->view());
-    }
     LimitCount limited;
     limited.components.resize(nodes.plane.size());
+    if (const auto& data = fields.data()) {
+      values = at.apply(data->view(), {.limit = fit.limit, .count = &limited});
+      if (options.gradient) slopes = at.gradient().apply(data->view());
+    }
     fields.add(at.report().all(), values, slopes, limited);
     for (const std::size_t at_plane : nodes.plane) counts.push_back(at_plane < slab.end);
     progress.advance(1);
   }
+  const std::size_t components =
+      fields.data() ? static_cast<std::size_t>(fields.data()->components) : 0;
   const Mapped mapped = fields.result(method.solver);
 
   // Pieces take their names when all of them are written, and then the file that lists them.
@@ -327,8 +328,15 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   });
 
   std::vector<FitReport> own;
-  for (std::size_t t = 0; t < counts.size(); ++t)
-    if (counts[t]) own.push_back(mapped.reports[t]);
+  LimitCount limited;
+  for (std::size_t t = 0; t < counts.size(); ++t) {
+    if (!counts[t]) continue;
+    own.push_back(mapped.reports[t]);
+    limited.components.push_back(mapped.limited.components[t]);
+  }
+  limited.total();
+  limited.targets = ranks.sum(limited.targets);
+  limited.values = ranks.sum(limited.values);
   const FitSummary summary = of_all(ranks, FitReports(std::move(own), method.solver).summary());
   std::vector<FieldRange> found;
   for (const NamedField& field : mapped.fields) {
@@ -349,7 +357,8 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   print_line("method", describe_method(method, options.fit));
   print_line("support", describe_support(options.fit, method, particles, false));
   print_line("targets", "grid of " + counted(grid.size(), "node"));
-  print_fit(summary, {}, 0, options.fit);
+  const std::size_t valued = summary.targets - summary.no_support - summary.too_far;
+  print_fit(summary, limited, components * valued, options.fit);
   std::size_t next = 0;
   print_fields(
       mapped.fields, [&](const NamedField&, int) { return found[next++]; }, grid.size());
