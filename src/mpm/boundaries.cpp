@@ -5,9 +5,21 @@ namespace recon::mpm {
 
 template <int D>
 BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem) {
+  for (int d = 0; d < D; ++d) rooms_[d] = problem.room(d);
+  for (const Boundary<D>& boundary : problem.boundaries) {
+    if (boundary.images) continue;
+    if (const int face = boundary.face(problem.grid);
+        face != 0 && boundary.velocity[boundary.axis] == 0.0)
+      walls_.push_back({boundary.axis, face > 0, &boundary});
+  }
+}
+
+template <int D>
+std::vector<HeldComponent<D>> BoundaryPolicy<D>::held_in(const Grid<D>& part,
+                                                         const std::array<int, D>& first) const {
+  const Problem<D>& problem = this->problem_;
   const Grid<D>& grid = problem.grid;
   const Images<D> images = images_of(problem, false);
-  for (int d = 0; d < D; ++d) rooms_[d] = problem.room(d);
   // A part of a plane is held in all periods, and in mirrors.
   const auto covered = [&](const Boundary<D>& boundary, const Vector<D>& x) {
     const double margin = 1e-6 * grid.h();
@@ -17,47 +29,72 @@ BoundaryPolicy<D>::BoundaryPolicy(const Problem<D>& problem) : Policy<D>(problem
       if (boundary.covers(image.x, margin)) return true;
     return false;
   };
+  std::vector<HeldComponent<D>> held;
   for (std::size_t b = 0; b < problem.boundaries.size(); ++b) {
     const Boundary<D>& boundary = problem.boundaries[b];
     if (boundary.images) continue;
-    const auto plane = static_cast<std::size_t>(
-        std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h()));
-    if (const int face = boundary.face(grid); face != 0 && boundary.velocity[boundary.axis] == 0.0)
-      walls_.push_back({boundary.axis, face > 0, &boundary});
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-      if (grid.nodes().index(i)[boundary.axis] != plane) continue;
-      if (!covered(boundary, grid.position(i))) continue;
-      for (int d = 0; d < D; ++d)
-        if (boundary.velocity[d])
-          held_.push_back({static_cast<std::uint32_t>(i), d, &*boundary.velocity[d], b});
+    const auto axis = static_cast<std::size_t>(boundary.axis);
+    const int plane =
+        static_cast<int>(std::lround((boundary.at - grid.lower()[boundary.axis]) / grid.h())) -
+        first[axis];
+    if (plane < 0 || plane > part.cells(boundary.axis)) continue;
+    // The nodes of the plane, by ascending numbers.
+    std::array<int, D> index{};
+    index[axis] = plane;
+    for (std::size_t d = 0; d < D;) {
+      const std::uint32_t node = part.number(index);
+      // Of the whole grid to the bit, so that all parts cover the same.
+      Vector<D> x;
+      for (std::size_t e = 0; e < D; ++e)
+        x[static_cast<int>(e)] = grid.node(first[e] + index[e], static_cast<int>(e));
+      if (covered(boundary, x))
+        for (int e = 0; e < D; ++e)
+          if (boundary.velocity[e]) held.push_back({node, e, &*boundary.velocity[e], b, x});
+      for (d = 0; d < D; ++d) {
+        if (d == axis) continue;
+        if (++index[d] <= part.cells(static_cast<int>(d))) break;
+        index[d] = 0;
+      }
     }
   }
+  return held;
 }
+
+namespace {
+
+template <int D>
+double given(const HeldComponent<D>& held, double time) {
+  return (*held.velocity)(held.x, time);
+}
+
+}  // namespace
 
 template <int D>
 void BoundaryPolicy<D>::hold(double time, double lag, Nodes<D>& nodes) const {
-  give(time - lag, nodes.velocity);
+  give(time - lag, nodes, nodes.velocity);
   if (lag > 0)
     drive(time - lag, time, nodes);
   else
-    rest(nodes.acceleration);
+    rest(nodes, nodes.acceleration);
 }
 
 template <int D>
 void BoundaryPolicy<D>::drive(double before, double after, Nodes<D>& nodes) const {
-  for (const Held& held : held_)
+  for (const HeldComponent<D>& held : nodes.held)
     nodes.acceleration[held.node][held.axis] =
         held.velocity->varies() ? (given(held, after) - given(held, before)) / (after - before) : 0;
 }
 
 template <int D>
-void BoundaryPolicy<D>::give(double time, std::vector<Vector<D>>& velocity) const {
-  for (const Held& held : held_) velocity[held.node][held.axis] = given(held, time);
+void BoundaryPolicy<D>::give(double time, const Nodes<D>& nodes,
+                             std::vector<Vector<D>>& velocity) const {
+  for (const HeldComponent<D>& held : nodes.held)
+    velocity[held.node][held.axis] = given(held, time);
 }
 
 template <int D>
-void BoundaryPolicy<D>::rest(std::vector<Vector<D>>& velocity) const {
-  for (const Held& held : held_) velocity[held.node][held.axis] = 0;
+void BoundaryPolicy<D>::rest(const Nodes<D>& nodes, std::vector<Vector<D>>& velocity) const {
+  for (const HeldComponent<D>& held : nodes.held) velocity[held.node][held.axis] = 0;
 }
 
 template <int D>

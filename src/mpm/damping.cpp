@@ -14,7 +14,7 @@ void DampingPolicy<D>::slow(const BoundaryPolicy<D>& boundaries, Nodes<D>& nodes
       nodes.damping[i][d] =
           against * damping.local * std::abs(nodes.acceleration[i][d]) - damping.mass * v;
     }
-  boundaries.rest(nodes.damping);
+  boundaries.rest(nodes, nodes.damping);
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) nodes.acceleration[i] += nodes.damping[i];
 }
 

@@ -53,10 +53,10 @@ void ImagePolicy<D>::share(const State<D>& s, Nodes<D>& nodes) const {
     with_shape(problem.method, [&](auto shape_of) {
       using Seen = typename decltype(shape_of)::template Nodes<D>;
       const auto rows = [&](std::size_t p) {
-        return shape_of.nodes_along(problem.grid, particles, begin + p, D - 1);
+        return shape_of.nodes_along(nodes.grid, particles, begin + p, D - 1);
       };
       scatter_by_rows<Seen>(end - begin, problem.threads, rows, [&](std::size_t p, Seen& shape) {
-        shape_of.shape(problem.grid, particles, begin + p, shape);
+        shape_of.shape(nodes.grid, particles, begin + p, shape);
         shape.add(mass, particles.mass[begin + p], trusted);
       });
     });

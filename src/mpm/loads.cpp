@@ -60,17 +60,17 @@ void LoadPolicy<D>::to_nodes(const State<D>& s, const OtherParts<D>* others, std
         constexpr int degree = decltype(shape_of.functions)::cell_degree + 1;
         const SplineFunctions<degree> of_slope{{shape_of.functions.border}};
         if (problem.method.border != SplineBorder::linear_cells)
-          return parts_at(problem.grid, of_slope, x, place);
+          return parts_at(nodes.grid, of_slope, x, place);
       } else if constexpr (is_product<D, decltype(shape_of)>) {
         if (problem.method.basis != Basis::mls_bspline2)
-          return parts_at(problem.grid, shape_of.functions, x, place);
+          return parts_at(nodes.grid, shape_of.functions, x, place);
       }
       return {};
     };
     // A force on one of the particles, or on one of the images.
     const auto act = [&](const Load<D>& load, const Particles<D>& particles, std::size_t p,
                          const Vector<D>& place, const Vector<D>& force) {
-      functions_of(problem, particles, nodes, shape_of, p, shape);
+      functions_of(particles, nodes, shape_of, p, shape);
       const Vector<D>& x = particles.x[p];
       // What the node number k of the particle gets.
       const auto add = [&](std::size_t k, double part) {

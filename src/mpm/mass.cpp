@@ -20,8 +20,8 @@ class ConsistentMass : public MassPolicy<D> {
     with_shape(problem.method, [&](auto shape_of) {
       typename decltype(shape_of)::template Nodes<D> shape;
       for (std::size_t p = 0; p < particles.size(); ++p) {
-        if (from.leaves_out(problem.grid, particles.x[p])) continue;
-        shape_of.shape(problem.grid, particles, p, shape);
+        if (from.leaves_out(nodes.grid, particles.x[p])) continue;
+        shape_of.shape(nodes.grid, particles, p, shape);
         add_mass(shape, particles.mass[p], nodes.mass_entries);
       }
     });
@@ -36,7 +36,7 @@ class ConsistentMass : public MassPolicy<D> {
                            std::vector<Vector<D>>& x) {
       if (free != factored)
         if (const auto node = solver.factor(nodes.mass_matrix, free))
-          throw Failure(s.steps, "node", *node,
+          throw Failure(s.steps, "node", nodes.number_in(problem.grid, *node),
                         "the consistent mass matrix is singular: the particles near this node do "
                         "not determine its velocity; use lumped mass, or more particles");
       factored = free;
@@ -51,7 +51,7 @@ class ConsistentMass : public MassPolicy<D> {
           heavy, d, [&](std::size_t i) { return nodes.momentum[i][d]; }, nodes.mapped);
     for (int d = 0; d < D; ++d) {
       std::vector<bool> free = heavy;
-      for (const auto& each : boundaries.held())
+      for (const HeldComponent<D>& each : nodes.held)
         if (each.axis == d) free[each.node] = false;
       const auto force = [&](std::size_t i) {
         return nodes.force[i][d] + nodes.mass[i] * problem.gravity[d];
@@ -91,14 +91,16 @@ void MassPolicy<D>::watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) 
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
     const double mass = nodes.is_known(i) ? nodes.mass[i] : 0;
     const auto sign = static_cast<signed char>(mass > lightest ? 1 : mass < -lightest ? -1 : 0);
-    const NegativeMass found{step, i, mass};
-    if (!first && sign * signs.of_nodes[i] < 0 && !signs.change) signs.change = found;
+    const auto found = [&] {
+      return NegativeMass{step, nodes.number_in(this->problem_.grid, i), mass};
+    };
+    if (!first && sign * signs.of_nodes[i] < 0 && !signs.change) signs.change = found();
     signs.of_nodes[i] = sign;
     if (sign >= 0) continue;
     ++nodes.negative;
-    if (!signs.negative) signs.negative = found;
+    if (!signs.negative) signs.negative = found();
     if (method.at_negative_mass == AtNegativeMass::stop)
-      throw Failure(step, "node", i,
+      throw Failure(step, "node", found().node,
                     "its mass is negative (" + recon::detail::brief(mass) + "): " +
                         (elements ? "the functions of " + std::string(name_of(method.basis)) +
                                         " are negative in parts"

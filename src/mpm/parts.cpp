@@ -1,6 +1,8 @@
 #include "recon/mpm/parts.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "mpm/policies.hpp"
 
@@ -21,6 +23,34 @@ double reach_of_copies(const Problem<D>& problem, double widest) {
       Quadrature::particles)  // by cells whose points see a node, and by theirs
     reach = std::max(reach, seen + functions + std::max(of_fits, neighbour_cell));
   return (reach + in_a_step) * h;
+}
+
+template <int D>
+Window<D> seen_by(const Problem<D>& problem, const State<D>& s, const ImageParticles<D>& images) {
+  constexpr int beyond = 4;
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const Grid<D>& grid = problem.grid;
+  Vector<D> lower = Vector<D>::Constant(infinite), upper = -lower;
+  for (const auto* places : {&s.particles.x, &images.particles.x})
+    for (const Vector<D>& x : *places) {
+      lower = lower.cwiseMin(x);
+      upper = upper.cwiseMax(x);
+    }
+  const double widest = half_width(problem, s.particles);
+  Window<D> window;
+  for (int axis = 0; axis < D; ++axis) {
+    const auto d = static_cast<std::size_t>(axis);
+    const auto plane = [&](double at) {
+      return std::clamp((at - grid.lower()[axis]) / grid.h(), 0.0, double(grid.cells(axis)));
+    };
+    // Pairs of cells, of which elements are made; none where there are no particles.
+    const bool any = lower[axis] <= upper[axis];
+    const int first = any ? static_cast<int>(plane(lower[axis] - widest)) - beyond : 0;
+    const int last = any ? static_cast<int>(std::ceil(plane(upper[axis] + widest))) + beyond : 2;
+    window.first[d] = std::max(first, 0) / 2 * 2;
+    window.last[d] = std::min((last + 1) / 2 * 2, grid.cells(axis));
+  }
+  return window;
 }
 
 template <int D>
@@ -93,6 +123,7 @@ void keep_first(std::size_t count, const Kept& kept, Particles<D>& particles) {
 #define RECON_INSTANTIATE(D)                                                                    \
   template double reach_of_copies(const Problem<D>&, double);                                   \
   template double half_width(const Problem<D>&, const Particles<D>&);                           \
+  template Window<D> seen_by(const Problem<D>&, const State<D>&, const ImageParticles<D>&);     \
   template void require_parts(const Problem<D>&);                                               \
   template Particles<D> chosen(const Particles<D>&, const Kept&, std::span<const std::size_t>); \
   template void append(const Particles<D>&, const Kept&, Particles<D>&);                        \

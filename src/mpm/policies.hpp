@@ -74,24 +74,17 @@ class MapPolicy : public Policy<D> {
 template <int D>
 class BoundaryPolicy : public Policy<D> {
  public:
-  // The velocity of a node along an axis is given, by the problem.
-  struct Held {
-    std::uint32_t node = 0;
-    int axis = 0;
-    const HeldVelocity<D>* velocity = nullptr;
-    std::size_t boundary = 0;  // the number of the boundary that holds it
-  };
-
   explicit BoundaryPolicy(const Problem<D>& problem);
-  const std::vector<Held>& held() const { return held_; }
+  // What is held of the nodes of a part of the problem's grid that begins at this index.
+  std::vector<HeldComponent<D>> held_in(const Grid<D>& part, const std::array<int, D>& first) const;
   // v_i as it is given at the time of the velocities, `lag` before `time`; and a_i that makes it
   // what it is at `time`, or zero without a lag. The change over a kick is not known yet.
   void hold(double time, double lag, Nodes<D>& nodes) const;
   // a_i of the held nodes that changes their velocities from one time to another.
   void drive(double before, double after, Nodes<D>& nodes) const;
-  // Components of held velocities become those of this time, or 0.
-  void give(double time, std::vector<Vector<D>>& velocity) const;
-  void rest(std::vector<Vector<D>>& velocity) const;
+  // Components of held velocities of these nodes become those of this time, or 0.
+  void give(double time, const Nodes<D>& nodes, std::vector<Vector<D>>& velocity) const;
+  void rest(const Nodes<D>& nodes, std::vector<Vector<D>>& velocity) const;
   // Puts back what has passed a wall by a hair, and what has left a period to its other end. Throws
   // Failure for a particle that is not in the grid then, and for one that is more than half a cell
   // beyond a boundary with images.
@@ -104,15 +97,9 @@ class BoundaryPolicy : public Policy<D> {
     bool upper = false;
     const Boundary<D>* boundary = nullptr;
   };
-  double given(const Held& held, double time) const {
-    return (*held.velocity)(held.velocity->varies() ? this->problem_.grid.position(held.node)
-                                                    : Vector<D>(Vector<D>::Zero()),
-                            time);
-  }
   // The same for one particle where there are images.
   void keep_in_room(std::size_t p, State<D>& s) const;
   std::array<std::pair<double, double>, D> rooms_;
-  std::vector<Held> held_;
   std::vector<Wall> walls_;
 };
 
@@ -236,12 +223,12 @@ struct Policies {
 // Writes S and G of a particle, and returns its volume: its own, or those with which it stands for
 // cells where the quadrature says so.
 template <int D, class Shape, class At>
-double functions_of(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>& nodes,
-                    const Shape& shape_of, std::size_t p, At& shape) {
-  const double volume = shape_of.shape(problem.grid, particles, p, shape);
+double functions_of(const Particles<D>& particles, const Nodes<D>& nodes, const Shape& shape_of,
+                    std::size_t p, At& shape) {
+  const double volume = shape_of.shape(nodes.grid, particles, p, shape);
   if constexpr (requires { shape_of.functions.cell_degree; })
     if (!nodes.weights.empty())
-      return nodes.weights.gradients(problem.grid, particles.x[p], volume, shape);
+      return nodes.weights.gradients(nodes.grid, particles.x[p], volume, shape);
   return volume;
 }
 
@@ -257,7 +244,7 @@ void for_each_shape(const Problem<D>& problem, const State<D>& s, const Nodes<D>
                     typename Shape::template Nodes<D> shape;
                     Scratch scratch;
                     for (std::size_t p = begin; p < end; ++p) {
-                      functions_of(problem, particles, nodes, shape_of, p, shape);
+                      functions_of(particles, nodes, shape_of, p, shape);
                       each(p, shape, scratch);
                     }
                     done(begin, end);

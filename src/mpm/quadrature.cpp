@@ -81,9 +81,9 @@ template <int D>
 class TaylorFits {
  public:
   // Of these places and volumes, one for each row of the data.
-  TaylorFits(const Problem<D>& problem, const std::vector<Vector<D>>& places,
+  TaylorFits(const Grid<D>& grid, int threads, const std::vector<Vector<D>>& places,
              const std::vector<double>& volumes, const PointData<D>& data)
-      : grid_(problem.grid),
+      : grid_(grid),
         places_(places),
         volumes_(volumes),
         data_(data),
@@ -91,7 +91,7 @@ class TaylorFits {
     const std::span<std::uint32_t> cell = by_cell_.keys(places.size());
     for (std::size_t p = 0; p < places.size(); ++p)
       cell[p] = static_cast<std::uint32_t>(grid_.cell_number(places[p]));
-    by_cell_.sort(grid_.cell_count(), problem.threads);
+    by_cell_.sort(grid_.cell_count(), threads);
     std::fill_n(conserved_.begin() + 1, PointData<D>::stresses + (data.body_force ? D : 0), false);
   }
 
@@ -149,12 +149,12 @@ class CellQuadrature : public QuadraturePolicy<D> {
   FromParticles over_cells(const State<D>& s, const std::vector<Vector<D>>& b, Cells<D>& cells,
                            Nodes<D>& nodes) const override {
     const Problem<D>& problem = this->problem_;
-    const Grid<D>& grid = problem.grid;
+    const Grid<D>& grid = nodes.grid;
     const Quadrature kind = problem.method.quadrature;
     PointData<D> data(s.particles, b, is_gauss(kind), problem.threads);
     const CellPoints<D> points(grid, kind == Quadrature::cells ? 1 : 2);
     const Volumes<D> giving(s.particles, nodes.images);
-    fill(giving, cells.fill);
+    fill(grid, giving, cells.fill);
     // Fits see all images; the polynomials of single cells have nothing beyond planes of symmetry.
     std::vector<Vector<D>> with_images;
     if (!images_.empty()) {
@@ -193,7 +193,7 @@ class CellQuadrature : public QuadraturePolicy<D> {
           row += shape.S[k] * row_of(cells.values, shape.node[k]);
       });
     } else if (kind == Quadrature::taylor_cells) {
-      TaylorFits<D> taylor(problem, giving.places, giving.volumes, data);
+      TaylorFits<D> taylor(grid, problem.threads, giving.places, giving.volumes, data);
       integrate(data, points, cells, nodes,
                 [&](std::size_t c, std::size_t g, Row& row) { row = taylor(c, points.at(c, g)); });
     } else {  // one fit for each Gauss point of all cells
@@ -215,8 +215,7 @@ class CellQuadrature : public QuadraturePolicy<D> {
   Images<D> images_;
 
   // The parts of the cells that count.
-  void fill(const Volumes<D>& giving, std::vector<double>& part) const {
-    const Grid<D>& grid = this->problem_.grid;
+  void fill(const Grid<D>& grid, const Volumes<D>& giving, std::vector<double>& part) const {
     const std::vector<double> volume =
         sums_in_cells(grid, giving.places, [&](std::size_t p) { return giving.volumes[p]; });
     part.assign(volume.size(), 0);
@@ -242,7 +241,7 @@ class CellQuadrature : public QuadraturePolicy<D> {
         for (std::size_t c = 0; c < cells.fill.size(); ++c)
           for (std::size_t g = 0; g < points.per_cell() && cells.fill[c] > 0; ++g) {
             const double volume = cells.fill[c] * points.volume();
-            shape_of.functions.at(problem.grid, points.at(c, g), shape);
+            shape_of.functions.at(nodes.grid, points.at(c, g), shape);
             values(c, g, row);
             data.add_point(shape, volume, row.data(), nodes);
             if (consistent) add_mass(shape, volume * row[0], nodes.mass_entries);
@@ -263,7 +262,7 @@ class AdjointCells : public QuadraturePolicy<D> {
                            Nodes<D>& nodes) const override {
     const Problem<D>& problem = this->problem_;
     const Volumes<D> giving(s.particles, nodes.images);
-    nodes.weights.fill(problem.grid, problem.method.basis == Basis::cell_linear ? 1 : 2,
+    nodes.weights.fill(nodes.grid, problem.method.basis == Basis::cell_linear ? 1 : 2,
                        giving.places, giving.volumes, problem.threads);
     cells.fill = nodes.weights.fitted();
     return {};

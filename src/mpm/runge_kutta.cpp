@@ -51,7 +51,7 @@ class RungeKutta : public UpdatePolicy<D> {
         rates[p].v = shape.value(nodes.acceleration, trusted);
         rates[p].L = shape.gradient(nodes.velocity, trusted);
         const auto add = [&](const Image<D>& image, std::size_t i) {
-          functions_of(this->problem_, nodes.images.particles, nodes, shape_of, i, at);
+          functions_of(nodes.images.particles, nodes, shape_of, i, at);
           rates[p].x += image.vector(at.value(nodes.velocity, trusted));
           rates[p].v += image.vector(at.value(nodes.acceleration, trusted));
           rates[p].L += image.gradient(at.gradient(nodes.velocity, trusted));

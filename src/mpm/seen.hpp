@@ -19,19 +19,20 @@ namespace recon::mpm {
 template <int D, class Shape>
 class ByList {
  public:
-  double look(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>& nodes,
-              const Shape& shape_of, std::size_t p) {
-    return functions_of(problem, particles, nodes, shape_of, p, at_);
+  double look(const Particles<D>& particles, const Nodes<D>& nodes, const Shape& shape_of,
+              std::size_t p) {
+    return functions_of(particles, nodes, shape_of, p, at_);
   }
-  void look_along(const Problem<D>& problem, const Shape& shape_of, const Vector<D>& x) {
+  void look_along(const Problem<D>& problem, const Nodes<D>& nodes, const Shape& shape_of,
+                  const Vector<D>& x) {
     const VelocityMap map = problem.method.velocity;
     if (map == VelocityMap::taylor) {
       offset_.resize(at_.size());
       for (std::size_t k = 0; k < at_.size(); ++k)
-        offset_[k] = problem.grid.position(at_.node[k]) - x;
+        offset_[k] = nodes.grid.position(at_.node[k]) - x;
       list_of_modes_ = {offset_.data()->data(), 1, D, D};
     } else {
-      fill_modes(problem.grid, shape_of, x, at_, map, modes_);
+      fill_modes(nodes.grid, shape_of, x, at_, map, modes_);
       list_of_modes_ = list_of(modes_);
     }
   }
@@ -69,18 +70,19 @@ class ByAxes<D, ParticleShape<Functions, DomainOf>> {
   using Shape = ParticleShape<Functions, DomainOf>;
   static constexpr bool of_points = is_product<D, Shape>;
 
-  double look(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>&,
-              const Shape& shape_of, std::size_t p) {
+  double look(const Particles<D>& particles, const Nodes<D>& nodes, const Shape& shape_of,
+              std::size_t p) {
     if constexpr (of_points)
       for (int d = 0; d < D; ++d)
-        axes_[d] = shape_of.functions.axis(problem.grid, particles.x[p][d], d);
+        axes_[d] = shape_of.functions.axis(nodes.grid, particles.x[p][d], d);
     else
-      shape_of.functions.template write_axes<D>(problem.grid, DomainOf::of(particles, p), axes_);
-    list_ = detail::product_of<D>(problem.grid, axes_);
+      shape_of.functions.template write_axes<D>(nodes.grid, DomainOf::of(particles, p), axes_);
+    list_ = detail::product_of<D>(nodes.grid, axes_);
     return particles.volume(p);
   }
-  void look_along(const Problem<D>& problem, const Shape&, const Vector<D>& x) {
-    const Grid<D>& grid = problem.grid;
+  void look_along(const Problem<D>& problem, const Nodes<D>& nodes, const Shape&,
+                  const Vector<D>& x) {
+    const Grid<D>& grid = nodes.grid;
     if (problem.method.velocity == VelocityMap::taylor) {
       for (int d = 0; d < D; ++d)
         for (int k = 0; k < axes_[d].count; ++k)
@@ -139,18 +141,17 @@ class ByAxes<D, ParticleShape<Functions, DomainOf>> {
 template <int D, class Shape>
 class ByCorners {
  public:
-  double look(const Problem<D>& problem, const Particles<D>& particles, const Nodes<D>&,
-              const Shape&, std::size_t p) {
+  double look(const Particles<D>& particles, const Nodes<D>& nodes, const Shape&, std::size_t p) {
     if constexpr (std::is_same_v<Shape, Cpdi2>) {
       const CornerDomain<D> domain(particles.corners[p]);
-      kernels_.find(problem.grid, domain, list_);
+      kernels_.find(nodes.grid, domain, list_);
       return domain.volume;
     } else {
-      kernels_.find(problem.grid, particles.parallelepiped(p), list_);
+      kernels_.find(nodes.grid, particles.parallelepiped(p), list_);
       return particles.volume(p);
     }
   }
-  static void look_along(const Problem<D>&, const Shape&, const Vector<D>&) {}
+  static void look_along(const Problem<D>&, const Nodes<D>&, const Shape&, const Vector<D>&) {}
   const detail::CornerList& list() const { return list_; }
   static detail::ModeList modes() { return {}; }
   static bool tells(std::size_t) { return true; }

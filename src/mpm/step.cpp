@@ -14,9 +14,10 @@ template <int D>
 void Step<D>::to_nodes(State<D>& s) {
   const auto& [quadrature, map, mass, boundaries, loads, damping, images, update] = *policies_;
   if (parts_) parts_->copy_to(s);
-  nodes_.clear(problem_->grid.size(), problem_->method.has_light_nodes());
   loads.body_force(s, body_force_);
   images.make(s, body_force_, nodes_);
+  see(parts_ ? seen_by(*problem_, s, nodes_.images) : Window<D>::of(problem_->grid));
+  nodes_.clear(problem_->method.has_light_nodes());
   // 1  particles to nodes: m_i, f_i and p_i by the quadrature, v_i = p_i / m_i or a fit
   const FromParticles from = quadrature->over_cells(s, body_force_, cells_, nodes_);
   map->to_nodes(s, body_force_, from, nodes_);
@@ -29,6 +30,24 @@ void Step<D>::to_nodes(State<D>& s) {
   damping.slow(boundaries, nodes_);
   nodes_.velocity = nodes_.mapped;
   boundaries.hold(s.time, problem_->method.velocity_lag(s.last_dt), nodes_);
+}
+
+template <int D>
+void Step<D>::see(const Window<D>& window) {
+  if (nodes_.grid.size() > 0 && nodes_.window == window) return;
+  const Grid<D> grid_before = nodes_.grid;
+  const Window<D> before = nodes_.window;
+  nodes_.window = window;
+  nodes_.grid = parts_ ? window.part_of(problem_->grid) : problem_->grid;
+  nodes_.held = policies_->boundaries.held_in(nodes_.grid, window.first);
+  if (signs_.of_nodes.empty()) return;
+  // Those of the nodes that were there before.
+  std::vector<signed char> signs(nodes_.grid.size(), 0);
+  for (std::size_t i = 0; i < signs_.of_nodes.size(); ++i)
+    if (const auto here = window.place_of(problem_->grid, nodes_.grid,
+                                          before.number_in(problem_->grid, grid_before, i)))
+      signs[*here] = signs_.of_nodes[i];
+  signs_.of_nodes = std::move(signs);
 }
 
 template <int D>
@@ -51,7 +70,8 @@ template <int D>
 std::vector<Vector<D>> Step<D>::load_forces(const State<D>& s) const {
   if (problem_->loads.empty()) return {};
   Nodes<D> loaded;
-  loaded.clear(problem_->grid.size(), false);
+  loaded.grid = nodes_.grid;
+  loaded.clear(false);
   policies_->loads.to_nodes(s, parts_, s.own(), loaded);
   return std::move(loaded.force);
 }

@@ -45,7 +45,7 @@ template <class Functions, int D, class Shape>
 void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>& nodes,
           const Carried<D>& from, Parts parts, double dt, State<D>& s, const Shape& shape_of) {
   Particles<D>& particles = s.particles;
-  const Grid<D>& grid = problem.grid;
+  const Grid<D>& grid = nodes.grid;
   const double pic = problem.method.pic_part(from.kick);
   const std::size_t modes = mode_count(problem.method.velocity, D);
   const bool with_modes = parts.velocity && modes > 0;
@@ -62,8 +62,8 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
   };
   const auto see = [&](const Particles<D>& of, std::size_t p, Functions& functions,
                        Vector<D>* coefficients) {
-    functions.look(problem, of, nodes, shape_of, p);
-    if (with_modes) functions.look_along(problem, shape_of, of.x[p]);
+    functions.look(of, nodes, shape_of, p);
+    if (with_modes) functions.look_along(problem, nodes, shape_of, of.x[p]);
     detail::Taken taken;
     kernels.take(functions.list(), rows.data(), straining, same ? 8 : 4, taken);
     if (with_modes) functions.coefficients(kernels, rows.data(), taken, coefficients);
@@ -158,7 +158,7 @@ class SingleMap : public UpdatePolicy<D> {
         if (carried.empty()) carried = nodes.velocity;
         receive(carried, {.strain = false, .position = false});
         step.to_nodes(s);
-        step.policies().boundaries.give(after, nodes.velocity);
+        step.policies().boundaries.give(after, nodes, nodes.velocity);
         receive(nodes.velocity, {.velocity = false});
         s.tick(dt);
         break;
@@ -200,7 +200,7 @@ class SingleMap : public UpdatePolicy<D> {
       velocity[i] -=
           (1 - most_strained * mass / strained) * kick / nodes.mass[i] * nodes.internal[i];
     }
-    if (!velocity.empty()) step.policies().boundaries.give(after, velocity);
+    if (!velocity.empty()) step.policies().boundaries.give(after, nodes, velocity);
     return velocity;
   }
 };
@@ -239,7 +239,7 @@ class Filtered : public SingleMap<D> {
       std::vector<Vector<D>> of_all;  // what particles see of `left`, where others show it as well
       const auto rows_of_particles = [&](const Particles<D>& of) {
         return ScatterByRows(of.size(), problem.threads, [&](std::size_t p) {
-          return shape_of.nodes_along(problem.grid, of, p, D - 1);
+          return shape_of.nodes_along(step.nodes().grid, of, p, D - 1);
         });
       };
       const ScatterByRows order = rows_of_particles(particles);
@@ -259,7 +259,7 @@ class Filtered : public SingleMap<D> {
                           [&](std::size_t begin, std::size_t end) RECON_FLATTEN {
                             Functions at;
                             for (std::size_t p = begin; p < end; ++p) {
-                              at.look(problem, particles, step.nodes(), shape_of, p);
+                              at.look(particles, step.nodes(), shape_of, p);
                               of_all[p] = see(at);
                             }
                           });
@@ -269,7 +269,7 @@ class Filtered : public SingleMap<D> {
         const auto give_back = [&](const Particles<D>& of, const ScatterByRows& in_order,
                                    const auto& shown) {
           in_order.add<Functions>([&](std::size_t p, Functions& at) RECON_FLATTEN {
-            at.look(problem, of, step.nodes(), shape_of, p);
+            at.look(of, step.nodes(), shape_of, p);
             const Vector<D> v = of.mass[p] * shown(p, at);
             alignas(32) std::array<double, 4> four{};
             std::copy(v.begin(), v.end(), four.begin());
@@ -285,7 +285,7 @@ class Filtered : public SingleMap<D> {
           });
         for (std::size_t i = 0; i < left.size(); ++i)
           for (int d = 0; d < D && mass[i] != 0; ++d) left[i][d] -= back[i][d] / mass[i];
-        step.policies().boundaries.rest(left);
+        step.policies().boundaries.rest(step.nodes(), left);
         for (std::size_t i = 0; i < left.size(); ++i) velocity[i] += left[i];
       }
     };

@@ -22,7 +22,7 @@ struct Scatter {
   detail::NodeRows& rows;    // mass, momentum, internal force and stiffness of each node
   detail::NodeRows& pushes;  // what body forces give; none where b is empty
   const Shape shape_of;
-  const Grid<D>& grid = problem.grid;
+  const Grid<D>& grid = nodes.grid;
   const VelocityMap map = problem.method.velocity;
   const bool shows_more = map == VelocityMap::taylor || mode_count(map, D) > 0;
   const std::size_t modes = mode_count(map, D);
@@ -46,11 +46,11 @@ struct Scatter {
     if (from.leaves_out(grid, particles.x[p])) return;
     Seen& seen = scratch.seen;
     detail::Given& given = scratch.given;
-    const double volume = seen.look(problem, particles, nodes, shape_of, p);
+    const double volume = seen.look(particles, nodes, shape_of, p);
     const double mass = particles.mass[p];
     for (int d = 0; d < D; ++d) given.value[1 + d] = mass * particles.v[p][d];
     if (shows_more) {
-      seen.look_along(problem, shape_of, particles.x[p]);
+      seen.look_along(problem, nodes, shape_of, particles.x[p]);
       if (map == VelocityMap::taylor)
         show_also(scratch, mass,
                   [&](std::size_t d) { return particles.L[p].col(static_cast<int>(d)); });
@@ -170,7 +170,7 @@ class GridMap : public FitMap<D> {
               Nodes<D>& nodes) const override {
     const Problem<D>& problem = this->problem_;
     const auto fit =
-        reconstruct_on_grid(points_of(x), {field_of(v)}, problem.grid.nodes(),
+        reconstruct_on_grid(points_of(x), {field_of(v)}, nodes.grid.nodes(),
                             {.degree = problem.method.degree, .threads = problem.threads});
     nodes.fit_nodes.resize(nodes.mass.size());
     std::iota(nodes.fit_nodes.begin(), nodes.fit_nodes.end(), 0u);
@@ -196,7 +196,7 @@ class ImlsMap : public FitMap<D> {
     for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
       if (!(nodes.mass[i] > 0)) continue;
       nodes.fit_nodes.push_back(static_cast<std::uint32_t>(i));
-      targets.push_back(problem.grid.position(i));
+      targets.push_back(nodes.grid.position(i));
     }
     const Reconstruction fit = reconstruct(points_of(x), points_of(targets),
                                            {.degree = problem.method.degree,

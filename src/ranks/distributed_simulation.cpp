@@ -28,7 +28,8 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
       boxes_.emplace(whole.particles.x, ranks.size());
       choose_own(whole);
       problem.particles = {};
-      step.emplace(std::move(problem), numbers.size(), this);
+      // One rank alone is one whole, to the bit.
+      step.emplace(std::move(problem), numbers.size(), ranks.size() > 1 ? this : nullptr);
     });
   }
 
@@ -140,16 +141,28 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     return {chosen(particles, kept_, order), state.time, state.last_dt, state.steps};
   }
 
+  // The signs of the masses of the nodes that this rank has.
+  struct Signs {
+    Grid<D> grid;
+    Window<D> window;
+    std::vector<signed char> of_nodes;
+  };
+  Signs known_signs() const {
+    return {step->nodes().grid, step->nodes().window, step->signs().of_nodes};
+  }
+
   // Notes negative masses of nodes and changes of their sign, as a step does in one whole: the rank
   // that knows a node may be another one in the next step. `before` are the signs of that step.
-  void watch(const std::vector<signed char>& before) {
-    const std::vector<signed char>& now = step->signs().of_nodes;
-    if (now.empty()) return;  // the method has none
+  void watch(const Signs& before) {
+    const Signs now = known_signs();
+    if (now.of_nodes.empty()) return;  // the method has none
     const Nodes<D>& nodes = step->nodes();
+    const Grid<D>& whole = step->problem().grid;
+    // Of all ranks, by the numbers in the whole grid of nodes that are here.
     const auto masses_of_all = [&](const std::vector<std::size_t>& here) {
       std::vector<double> of_nodes;
       for (const std::size_t i : here) {
-        of_nodes.push_back(static_cast<double>(i));
+        of_nodes.push_back(static_cast<double>(nodes.number_in(whole, i)));
         of_nodes.push_back(nodes.mass[i]);
       }
       of_nodes = gather(of_nodes);
@@ -162,16 +175,19 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
       return NegativeMass{state.steps, found.begin()->first, found.begin()->second};
     };
     std::vector<std::size_t> here;
-    for (std::size_t i = 0; i < now.size(); ++i)
-      if (now[i] < 0) here.push_back(i);
+    for (std::size_t i = 0; i < now.of_nodes.size(); ++i)
+      if (now.of_nodes[i] < 0) here.push_back(i);
     const std::map<std::size_t, double> negative = masses_of_all(here);
     if (!negative.empty() && !signs.negative) signs.negative = first_of(negative);
     // Nodes that were negative and are not any more may be positive now, and others were before.
     std::vector<std::size_t> turned;
     bool may_have_turned = false;
-    const auto look = [&](std::size_t i, const std::vector<signed char>& at) {
+    const auto look = [&](std::size_t number, const Signs& at) {
       may_have_turned = true;
-      if (!at.empty() && at[i] > 0) turned.push_back(i);
+      const auto place =
+          at.of_nodes.empty() ? std::nullopt : at.window.place_of(whole, at.grid, number);
+      if (!place || at.of_nodes[*place] <= 0) return;
+      if (const auto i = now.window.place_of(whole, now.grid, number)) turned.push_back(*i);
     };
     for (const auto& [i, mass] : negative)
       if (!std::binary_search(negative_before_.begin(), negative_before_.end(), i)) look(i, before);
@@ -363,7 +379,7 @@ void DistributedSimulation<D>::map() {
   if (of.mapped) return;
   of.failed = true;
   of.in_step([&] {
-    const std::vector<signed char> before = of.step->signs().of_nodes;
+    const auto before = of.known_signs();
     of.step->to_nodes(of.state);
     of.watch(before);
   });

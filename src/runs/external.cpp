@@ -98,11 +98,12 @@ ExternalForces<D> external_forces(const State<D>& s, const Step<D>& step) {
     return nodes.force[i] + nodes.mass[i] * problem.gravity;
   };
   std::vector<std::array<bool, D>> is_held(count, std::array<bool, D>{});
-  for (const auto& held : step.policies().boundaries.held()) {
+  for (const HeldComponent<D>& held : nodes.held) {
     bool& seen = is_held[held.node][static_cast<std::size_t>(held.axis)];
     const double R =
         nodes.share_of(held.node) * (gained[held.node][held.axis] - force(held.node)[held.axis]);
-    out.reactions.push_back({held.boundary, held.node, held.axis, R, !seen});
+    const auto number = static_cast<std::uint32_t>(nodes.number_in(problem.grid, held.node));
+    out.reactions.push_back({held.boundary, number, held.axis, R, !seen});
     if (!seen) {
       out.held += std::abs(R);
       out.power += R * now(held.node)[held.axis];
@@ -132,10 +133,9 @@ RestMeasure rest_of(const View<D>& view, const ExternalForces<D>& forces, double
   const double end = view.problem().time.end;
   const auto at_rest = [&](const auto& held) {
     if (view.nodes().velocity[held.node][held.axis] != 0) return false;
-    return !held.velocity->varies() || !std::isfinite(end) ||
-           (*held.velocity)(view.problem().grid.position(held.node), end) == 0;
+    return !held.velocity->varies() || !std::isfinite(end) || (*held.velocity)(held.x, end) == 0;
   };
-  for (const auto& held : view.step().policies().boundaries.held())
+  for (const HeldComponent<D>& held : view.nodes().held)
     if (!at_rest(held)) return found;
   found.reached = still_to_come(view, forces.loads, end) <= tolerance * acting;
   return found;

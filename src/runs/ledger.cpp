@@ -94,12 +94,12 @@ Ledger sums_of(const State<D>& s, const Step<D>& step) {
           typename decltype(shape_of)::template Nodes<D> shape, at;
           ParticleModes<D, decltype(shape_of)> of;
           for (std::size_t p = begin; p < end; ++p) {
-            shape_of.shape(problem.grid, particles, p, shape);
+            shape_of.shape(nodes.grid, particles, p, shape);
             // What the particle takes from the nodes.
             Vector<D> velocity = shape.value(nodes.velocity, trusted);
             Vector<D> acceleration = shape.value(nodes.acceleration, trusted);
             const auto see_image = [&](const Image<D>& image, std::size_t i) {
-              functions_of(problem, nodes.images.particles, nodes, shape_of, i, at);
+              functions_of(nodes.images.particles, nodes, shape_of, i, at);
               velocity += image.vector(at.value(nodes.velocity, trusted));
               acceleration += image.vector(at.value(nodes.acceleration, trusted));
             };
@@ -119,7 +119,7 @@ Ledger sums_of(const State<D>& s, const Step<D>& step) {
             add<D>(sum.momentum, momentum);
             add_angular<D>(sum.angular, particles.x[p], momentum);
             if (modes > 0) {
-              fill_modes(problem.grid, shape_of, particles.x[p], shape, map, of);
+              fill_modes(nodes.grid, shape_of, particles.x[p], shape, map, of);
               const Matrix<D> moment = m * of.moment(&particles.modes[p * modes]);
               for (int d = 0; d < D; ++d)
                 add_angular<D>(sum.angular, Vector<D>::Unit(d), moment.col(d));
@@ -152,7 +152,7 @@ Ledger sums_of(const State<D>& s, const Step<D>& step) {
     const Vector<D> own = share * mapped_momentum[i];
     ledger.node_mass += share * nodes.mass[i];
     add<D>(ledger.node_momentum, own);
-    add_angular<D>(ledger.node_angular, problem.grid.position(i), own);
+    add_angular<D>(ledger.node_angular, nodes.grid.position(i), own);
     ledger.node_kinetic += share * momentum_now[i].dot(now[i]) / 2;
   }
   ledger.negative_nodes = nodes.negative;

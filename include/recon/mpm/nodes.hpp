@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "recon/grid/reconstruct_on_grid.hpp"
 #include "recon/mpm/particles.hpp"
+#include "recon/mpm/problem.hpp"
 #include "recon/transfer/cell_weights.hpp"
 #include "recon/transfer/images.hpp"
 #include "recon/transfer/mass_matrix.hpp"
@@ -87,8 +89,65 @@ struct ImageParticles {
   };
 };
 
+// The cells first .. last - 1 along each axis of a grid.
+template <int D>
+struct Window {
+  std::array<int, D> first{}, last{};
+
+  static Window of(const Grid<D>& whole) {
+    Window all;
+    for (std::size_t d = 0; d < D; ++d) all.last[d] = whole.cells(static_cast<int>(d));
+    return all;
+  }
+  // These cells as a grid of its own.
+  Grid<D> part_of(const Grid<D>& whole) const {
+    Vector<D> lower, upper;
+    for (int d = 0; d < D; ++d) {
+      lower[d] = whole.node(first[static_cast<std::size_t>(d)], d);
+      upper[d] = whole.node(last[static_cast<std::size_t>(d)], d);
+    }
+    return {lower, upper, whole.h()};
+  }
+  bool operator==(const Window&) const = default;
+
+  // The number in the whole grid of a node of these cells, and the way back: none for a node beyond
+  // them.
+  std::size_t number_in(const Grid<D>& whole, const Grid<D>& part, std::size_t node) const {
+    const auto index = part.nodes().index(node);
+    std::array<int, D> at;
+    for (std::size_t d = 0; d < D; ++d) at[d] = first[d] + static_cast<int>(index[d]);
+    return whole.number(at);
+  }
+  std::optional<std::size_t> place_of(const Grid<D>& whole, const Grid<D>& part,
+                                      std::size_t number) const {
+    const auto index = whole.nodes().index(number);
+    std::array<int, D> at;
+    for (std::size_t d = 0; d < D; ++d) {
+      at[d] = static_cast<int>(index[d]) - first[d];
+      if (at[d] < 0 || at[d] > last[d] - first[d]) return {};
+    }
+    return part.number(at);
+  }
+};
+
+// A component of the velocity of a node that the problem gives.
+template <int D>
+struct HeldComponent {
+  std::uint32_t node = 0;
+  int axis = 0;
+  const HeldVelocity<D>* velocity = nullptr;
+  std::size_t boundary = 0;  // the number of the boundary that holds it
+  Vector<D> x;               // of the node
+};
+
+// The nodes of a grid: of that of the problem or, where a state has several parts (parts.hpp), of
+// the part of it that particles see here, a grid of its own whose nodes are some of those.
 template <int D>
 struct Nodes {
+  Grid<D> grid;
+  Window<D> window;                    // which cells of the problem's grid it has
+  std::vector<HeldComponent<D>> held;  // of these nodes
+
   std::vector<double> mass;
   MassEntries mass_entries;                 // of the quadrature, for a consistent mass
   Eigen::SparseMatrix<double> mass_matrix;  // consistent mass, else empty
@@ -117,8 +176,14 @@ struct Nodes {
   std::size_t unfitted = 0;  // nodes with mass whose velocity had to be mass-weighted
   std::size_t negative = 0;  // nodes of negative mass
 
+  // The number in the grid of the problem of a node.
+  std::size_t number_in(const Grid<D>& whole, std::size_t node) const {
+    return window.number_in(whole, grid, node);
+  }
+
   // Sums are zero, those of light nodes only where they are asked for.
-  void clear(std::size_t count, bool light_nodes) {
+  void clear(bool light_nodes) {
+    const std::size_t count = grid.size();
     mass.assign(count, 0);
     mass_entries.clear();
     momentum.assign(count, Vector<D>::Zero());

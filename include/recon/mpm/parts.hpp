@@ -16,6 +16,7 @@
 #include <optional>
 #include <span>
 
+#include "recon/mpm/nodes.hpp"
 #include "recon/mpm/state.hpp"
 
 namespace recon::mpm {
@@ -47,6 +48,13 @@ class OtherParts {
 // (half_width()).
 template <int D>
 double reach_of_copies(const Problem<D>& problem, double widest);
+// What a part of a state has of the grid of the problem: the cells that its particles, copies and
+// images give to, and four more to each side, as far as the grid goes, so that the borders change nothing
+// that the part's own particles see. It depends on the state alone. On a periodic axis a part with
+// particles at one end has images at the other one, and so the whole axis.
+template <int D>
+Window<D> seen_by(const Problem<D>& problem, const State<D>& s, const ImageParticles<D>& images);
+
 // The largest half width of the domains along an axis; 0 for points.
 template <int D>
 double half_width(const Problem<D>& problem, const Particles<D>& particles);

@@ -86,6 +86,9 @@ class Step {
   Nodes<D>& changeable_nodes() { return nodes_; }
 
  private:
+  // Makes the nodes those of a part of the grid.
+  void see(const Window<D>& window);
+
   std::shared_ptr<const Problem<D>> problem_;
   std::shared_ptr<const Policies<D>> policies_;  // of this problem; they do not change
   OtherParts<D>* parts_ = nullptr;
