@@ -1,6 +1,7 @@
 // The formats that read.cpp chooses from. Each reads from a file that stands at its beginning.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "read_array.hpp"
@@ -82,7 +83,10 @@ struct VtkPoints {
 };
 // Both throw FileError for content that is broken or of a kind that is not read.
 VtkPoints read_legacy_vtk(std::string_view bytes, const std::filesystem::path& path);
-VtkPoints read_xml_vtk(std::string_view bytes, const std::filesystem::path& path);
+// `open` gives the bytes of other files, in which pieces may be; null: these are refused.
+using OpenFile = std::function<std::string(const std::filesystem::path&)>;
+VtkPoints read_xml_vtk(std::string_view bytes, const std::filesystem::path& path,
+                       const OpenFile& open);
 
 // What a table of particles makes of it: one frame.
 std::unique_ptr<FrameSource> vtk_frame(VtkPoints read, const ReadOptions& options);

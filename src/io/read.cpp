@@ -147,9 +147,17 @@ struct FrameReader::State {
       const bool by_path = sizeof...(from) == 1 && !bytes.is_gzip();
       source = detail::open_hdf5_particles(path, by_path ? "" : whole(bytes), options);
     } else {
-      const auto reader =
-          content == Content::xml_vtk ? detail::read_xml_vtk : detail::read_legacy_vtk;
-      source = detail::vtk_frame(reader(whole(bytes), path), options);
+      constexpr bool on_disk = (std::is_same_v<Source, std::filesystem::path> && ...);
+      detail::OpenFile open;
+      if (on_disk)
+        open = [](const std::filesystem::path& piece) {
+          detail::ByteSource file(piece);
+          return whole(file);
+        };
+      source = detail::vtk_frame(content == Content::xml_vtk
+                                     ? detail::read_xml_vtk(whole(bytes), path, open)
+                                     : detail::read_legacy_vtk(whole(bytes), path),
+                                 options);
     }
   }
 

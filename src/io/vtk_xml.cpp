@@ -1,5 +1,5 @@
 // VTK XML files (VTK File Formats, "XML File Formats"): PolyData, UnstructuredGrid, StructuredGrid
-// and ImageData in one or more pieces; arrays as text, in base64, or appended, raw or in base64,
+// and ImageData in one or more pieces, the first two also in several files (.pvtp, .pvtu); arrays as text, in base64, or appended, raw or in base64,
 // plain or compressed by zlib.
 //
 // A plain array is its length in bytes and then the numbers; a compressed one is the number of
@@ -36,14 +36,14 @@ bool is_blank(char c) {
 
 class XmlReader {
  public:
-  XmlReader(std::string_view bytes, const std::filesystem::path& path)
-      : bytes_(bytes), path_(&path) {}
+  XmlReader(std::string_view bytes, const std::filesystem::path& path, OpenFile open)
+      : bytes_(bytes), path_(&path), open_(std::move(open)) {}
 
   VtkPoints read() {
     read_tags();
     if (pieces_.empty()) fail(0, "the file has no Piece with points");
     for (const Array& array : field_data_) note(array);
-    for (const Piece& piece : pieces_) add(piece);
+    for (const Piece& piece : pieces_) has_other_files() ? add_file(piece) : add(piece);
     return std::move(out_);
   }
 
@@ -180,10 +180,10 @@ class XmlReader {
                        kind_ == "StructuredGrid" || kind_ == "ImageData";
     if (kind_ == "Collection")
       fail(tag.begin, "is a collection (.pvd): name one of the files that it lists");
-    if (kind_.starts_with('P') && kind_ != "PolyData")
+    if (kind_.starts_with('P') && kind_ != "PolyData" && !(has_other_files() && open_))
       fail(tag.begin,
            "is of type " + quote(kind_) + ", whose points are in other files: name one of these");
-    if (!known)
+    if (!known && !has_other_files())
       fail(tag.begin,
            "VTK files of type " + quote(kind_) +
                " are not read: PolyData, UnstructuredGrid, StructuredGrid and ImageData are");
@@ -426,6 +426,31 @@ class XmlReader {
     return nodes;
   }
 
+  // Of points, each of which is in one of the files.
+  bool has_other_files() const { return kind_ == "PPolyData" || kind_ == "PUnstructuredGrid"; }
+
+  void add_file(const Piece& piece) {
+    const std::string source = piece.tag["Source"];
+    if (source.empty()) fail(piece.tag.begin, "the piece needs the name of a file as its Source");
+    const std::filesystem::path path = path_->parent_path() / source;
+    std::string bytes;
+    try {
+      bytes = open_(path);
+    } catch (const FileError& error) {
+      fail(piece.tag.begin, "names a piece that cannot be read: " + std::string(error.what()));
+    }
+    VtkPoints more = XmlReader(bytes, path, {}).read();
+    if (more.points.size() / 3 + out_.points.size() / 3 >=
+        std::numeric_limits<std::uint32_t>::max() - 1)
+      fail(piece.tag.begin, "more points than a table of particles can number, 2^32 - 2");
+    const bool first = &piece == &pieces_.front();
+    if (first) out_.remarks = std::move(more.remarks);
+    if (!out_.step) out_.step = more.step;
+    if (!out_.time) out_.time = more.time;
+    append(more.points);
+    join(piece, std::move(more.arrays), more.points.empty());
+  }
+
   void add(const Piece& piece) {
     const bool by_extent = kind_ == "ImageData" || kind_ == "StructuredGrid";
     const std::uint64_t points =
@@ -455,11 +480,15 @@ class XmlReader {
       if (components_of(array) != 3) fail(array.tag.begin, "Points need 3 components");
       append(numbers(array, 3 * points));
     }
+    join(piece, std::move(arrays), points == 0);
+  }
+  // Puts the data of a piece behind those that are there.
+  void join(const Piece& piece, std::vector<ReadArray> arrays, bool none) {
     if (&piece == &pieces_.front()) {
       out_.arrays = std::move(arrays);
       return;
     }
-    if (points == 0) return;
+    if (none) return;
     for (ReadArray& into : out_.arrays) {
       const auto same = std::find_if(arrays.begin(), arrays.end(), [&](const ReadArray& each) {
         return each.name == into.name && each.components == into.components;
@@ -475,6 +504,7 @@ class XmlReader {
 
   std::string_view bytes_, appended_;
   const std::filesystem::path* path_;
+  OpenFile open_;
   std::size_t at_ = 0, header_size_ = 4;
   bool swapped_ = false, compressed_ = false, appended_base64_ = false;
   std::string kind_;
@@ -486,8 +516,9 @@ class XmlReader {
 
 }  // namespace
 
-VtkPoints read_xml_vtk(std::string_view bytes, const std::filesystem::path& path) {
-  return XmlReader(bytes, path).read();
+VtkPoints read_xml_vtk(std::string_view bytes, const std::filesystem::path& path,
+                       const OpenFile& open) {
+  return XmlReader(bytes, path, open).read();
 }
 
 }  // namespace recon::detail

@@ -206,6 +206,20 @@ std::string extent_of(const GridPiece& piece) {
   return "Extent=\"" + extent + "\"";
 }
 
+// What the fields of pieces are called.
+void name_fields(VtkFile& file, const FieldSet& fields, int dimension) {
+  file.xml("<PPointData>\n");
+  for (const NamedField& field : fields)
+    file.xml("<PDataArray type=\"" + std::string(type_name(field.type)) + "\" " +
+             attributes_of(field, component_places(field, dimension)) + "/>\n");
+  file.xml("</PPointData>\n");
+}
+std::string source_of(const std::filesystem::path& file) {
+  const std::string name = file.generic_string();
+  detail::require(is_utf8(name), "name of the file of a piece", to_utf8(name), "must be UTF-8");
+  return "Source=\"" + detail::escaped(name) + "\"";
+}
+
 void require_piece(const StructuredGrid<double>& grid, const GridPiece& piece) {
   for (int d = 0; d < max_dimension; ++d) {
     const std::size_t there = d < grid.dimension ? grid.counts[d] : 1;
@@ -244,22 +258,26 @@ void write_vti_piece(const std::filesystem::path& path, const StructuredGrid<dou
 void write_pvti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
                 const std::vector<GridPieceFile>& pieces, const FieldSet& fields) {
   grid.validate();
-  for (const GridPieceFile& one : pieces) {
-    require_piece(grid, one.piece);
-    const std::string name = one.file.generic_string();
-    detail::require(is_utf8(name), "name of the file of a piece", to_utf8(name), "must be UTF-8");
-  }
+  for (const GridPieceFile& one : pieces) require_piece(grid, one.piece);
   VtkFile file(path, "PImageData");
   file.xml("<PImageData " + attributes_of(grid) + " GhostLevel=\"0\">\n");
   describe_time(file, fields);
-  file.xml("<PPointData>\n");
-  for (const NamedField& field : fields)
-    file.xml("<PDataArray type=\"" + std::string(type_name(field.type)) + "\" " +
-             attributes_of(field, component_places(field, grid.dimension)) + "/>\n");
-  file.xml("</PPointData>\n");
+  name_fields(file, fields, grid.dimension);
   for (const GridPieceFile& one : pieces)
-    file.xml("<Piece " + extent_of(one.piece) + " Source=\"" +
-             detail::escaped(one.file.generic_string()) + "\"/>\n");
+    file.xml("<Piece " + extent_of(one.piece) + " " + source_of(one.file) + "/>\n");
+  file.commit();
+}
+
+void write_pvtp(const std::filesystem::path& path, int dimension,
+                const std::vector<std::filesystem::path>& pieces, const FieldSet& fields) {
+  VtkFile file(path, "PPolyData");
+  file.xml("<PPolyData GhostLevel=\"0\">\n");
+  describe_time(file, fields);
+  name_fields(file, fields, dimension);
+  file.xml(
+      "<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n"
+      "</PPoints>\n");
+  for (const std::filesystem::path& piece : pieces) file.xml("<Piece " + source_of(piece) + "/>\n");
   file.commit();
 }
 

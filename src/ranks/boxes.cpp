@@ -1,12 +1,13 @@
 #include "ranks/boxes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace recon::mpm {
 
 template <int D>
-Boxes<D>::Boxes(const std::vector<Vector<D>>& places, int ranks) {
+Boxes<D>::Boxes(const std::vector<Vector<D>>& places, int ranks) : ranks_(ranks) {
   std::vector<std::size_t> order(places.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   root_ = cut(places, order, 0, order.size(), 0, ranks);
@@ -20,6 +21,28 @@ int Boxes<D>::rank_of(const Vector<D>& x) const {
     next = x[cut.axis] < cut.at ? cut.lower : cut.upper;
   }
   return -1 - next;
+}
+
+template <int D>
+std::vector<Window<D>> Boxes<D>::windows(const Grid<D>& grid) const {
+  std::vector<Window<D>> of(static_cast<std::size_t>(ranks_));
+  const auto divide = [&](const auto& self, int next, const Window<D>& cells) -> void {
+    if (next < 0) {
+      of[static_cast<std::size_t>(-1 - next)] = cells;
+      return;
+    }
+    const Cut& cut = cuts_[static_cast<std::size_t>(next)];
+    const auto axis = static_cast<std::size_t>(cut.axis);
+    const double plane = std::round((cut.at - grid.lower()[cut.axis]) / grid.h());
+    const int at = static_cast<int>(std::clamp(plane, static_cast<double>(cells.first[axis]),
+                                               static_cast<double>(cells.last[axis])));
+    Window<D> lower = cells, upper = cells;
+    lower.last[axis] = upper.first[axis] = at;
+    self(self, cut.lower, lower);
+    self(self, cut.upper, upper);
+  };
+  divide(divide, root_, Window<D>::of(grid));
+  return of;
 }
 
 template <int D>

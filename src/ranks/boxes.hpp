@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "recon/mpm/types.hpp"
+#include "recon/mpm/nodes.hpp"
 
 namespace recon::mpm {
 
@@ -14,6 +14,9 @@ class Boxes {
  public:
   Boxes(const std::vector<Vector<D>>& places, int ranks);
   int rank_of(const Vector<D>& x) const;
+  // The cells of a grid that belong to the boxes, for each rank: each cell belongs to one, and those of
+  // a box are a window, in which there may be none.
+  std::vector<Window<D>> windows(const Grid<D>& grid) const;
 
  private:
   // Below `at` the next cut is number `lower`, else `upper`; the number of a leaf is -1 - rank.
@@ -25,7 +28,7 @@ class Boxes {
   int cut(const std::vector<Vector<D>>& places, std::vector<std::size_t>& order, std::size_t begin,
           std::size_t end, int first_rank, int ranks);
   std::vector<Cut> cuts_;
-  int root_;
+  int root_, ranks_;
 };
 
 }  // namespace recon::mpm

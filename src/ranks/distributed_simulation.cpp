@@ -10,6 +10,7 @@
 #include "mpm/policies.hpp"
 #include "petsc/call.hpp"
 #include "ranks/boxes.hpp"
+#include "ranks/frame_pieces.hpp"
 #include "ranks/messages.hpp"
 #include "ranks/votes.hpp"
 
@@ -223,6 +224,11 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     });
   }
 
+  void write_frame(const std::filesystem::path& folder, const std::string& name,
+                   std::vector<double>& times, const FrameOptions& options) {
+    write_frame_pieces(folder, name, view(), *boxes_, votes, *messages, times, options);
+  }
+
   int rank() const { return votes.ranks().rank(); }
 
   Votes votes;
@@ -418,6 +424,13 @@ Ledger DistributedSimulation<D>::account(const std::optional<Ledger>& start,
     now = mpm::account(view, external_forces(view), start, before);
   });
   return now;
+}
+
+template <int D>
+void DistributedSimulation<D>::write_frame(const std::filesystem::path& folder,
+                                           const std::string& name, std::vector<double>& times,
+                                           const FrameOptions& options) {
+  exchange_->votes.together([&] { exchange_->write_frame(folder, name, times, options); });
 }
 
 template <int D>

@@ -72,6 +72,29 @@ auto Messages<D>::send(const Lists& lists, const Particles<D>& particles,
 }
 
 template <int D>
+std::vector<std::vector<double>> Messages<D>::send(
+    const std::vector<std::vector<double>>& numbers) {
+  std::vector<std::int64_t> mine(size_), others(size_);
+  for (std::size_t r = 0; r < size_; ++r) mine[r] = static_cast<std::int64_t>(numbers[r].size());
+  RECON_MPI(MPI_Alltoall(mine.data(), 1, MPI_INT64_T, others.data(), 1, MPI_INT64_T,
+                         votes_->ranks().get()));
+  ++votes_->rounds;
+  std::vector<Bytes> out(size_), in(size_);
+  for (std::size_t r = 0; r < size_; ++r) {
+    put(numbers[r], out[r]);
+    in[r].resize(static_cast<std::size_t>(others[r]) * sizeof(double));
+  }
+  exchange(out, in);
+  std::vector<std::vector<double>> arrived(size_);
+  for (std::size_t r = 0; r < size_; ++r) {
+    arrived[r].resize(static_cast<std::size_t>(others[r]));
+    const std::byte* read = in[r].data();
+    take(read, arrived[r].size(), 0, arrived[r]);
+  }
+  return arrived;
+}
+
+template <int D>
 void Messages<D>::append(const Arrived& arrived, Particles<D>& to,
                          std::vector<std::uint32_t>& numbers) const {
   for (std::size_t r = 0; r < size_; ++r) {

@@ -41,6 +41,9 @@ class Messages {
   void send_vectors(const Lists& lists, const std::vector<std::size_t>& counts, std::size_t at,
                     std::vector<Vector<D>>& vectors);
 
+  // Numbers for each rank; what has come from each.
+  std::vector<std::vector<double>> send(const std::vector<std::vector<double>>& numbers);
+
   // That this rank has sent.
   std::int64_t messages = 0, bytes = 0;
 

@@ -100,10 +100,7 @@ class OnRanks final : public Stepping<D> {
   }
   void write_frame(const std::filesystem::path& folder, const std::string& name,
                    std::vector<double>& times, const FrameOptions& options) override {
-    gather();
-    if (!writes()) return times.push_back(this->time());
-    whole_->map();
-    mpm::write_frame(folder, name, *whole_, times, options);
+    parts_.write_frame(folder, name, times, options);
   }
 
   MassSigns signs() const override { return parts_.signs(); }
@@ -153,8 +150,14 @@ std::optional<Spread> OnRanks<D>::spread() const {
 template <int D>
 RunResult run(const petsc::Communicator& ranks, const ProblemFile<D>& file,
               const RunOptions& options) {
-  Votes votes(ranks);
   RunResult result;
+  if (ranks.size() == 1) {
+    result = run<D>(file, options);
+    const std::size_t all = file.problem.particles.size();
+    result.spread = Spread{.ranks = 1, .least = all, .most = all};
+    return result;
+  }
+  Votes votes(ranks);
   votes.together([&] {
     require_same(votes, file, options);
     RunOptions own = options;

@@ -4,51 +4,17 @@
 
 #include "recon/core/names.hpp"
 #include "recon/io/write.hpp"
+#include "runs/frame_fields.hpp"
 #include "runs/particle_values.hpp"
 
 namespace recon::mpm {
 namespace {
-
-std::string file_name(const std::string& name, const char* kind, std::size_t number,
-                      const char* extension) {
-  char digits[24];
-  std::snprintf(digits, sizeof digits, "_%04zu", number);
-  return name + "_" + kind + digits + extension;
-}
-
-void write_list(const std::filesystem::path& folder, const std::string& name, const char* kind,
-                const char* extension, const std::vector<double>& times, std::size_t first) {
-  std::vector<TimedFile> files;
-  for (std::size_t i = first; i < times.size(); ++i)
-    files.push_back({times[i], file_name(name, kind, i, extension)});
-  write_pvd(folder / (name + "_" + kind + ".pvd"), files);
-}
 
 FieldSet fields_at(double time, std::int64_t step) {
   FieldSet fields;
   fields.time = time;
   fields.step = step;
   return fields;
-}
-
-template <int D>
-FieldSet fields_of_particles(const Simulation<D>& simulation,
-                             const std::vector<std::string>& names) {
-  const Particles<D>& particles = simulation.particles();
-  const auto known = particle_fields_of(simulation.problem(), particles);
-  FieldSet out = fields_at(simulation.time(), simulation.steps());
-  for (const std::string& name : names) {
-    const auto field = known.find(name);
-    if (field == known.end())
-      throw InvalidArgument("field of the particles", name, suggest(name, particle_fields()));
-    const auto components = static_cast<std::size_t>(field->second.components);
-    std::vector<double> values(particles.size() * components);
-    for (std::size_t p = 0; p < particles.size(); ++p)
-      field->second.put(p, &values[p * components]);
-    out.add(name, field->second.components, std::move(values), field->second.type,
-            field->second.kind);
-  }
-  return out;
 }
 
 // get(i) is a number, or a vector of the problem's dimension.
@@ -80,71 +46,155 @@ void add_reports(FieldSet& fields, std::size_t count, const FitReports& fit,
   fields.add("fit_neighbours", 1, std::move(neighbours), NumberType::int32);
 }
 
+// Of the fits, whose stress is that of the problem's own directions.
+template <int D>
+void add_fits(FieldSet& fields, std::size_t rows, const Cells<D>& cells) {
+  const auto add = [&](const std::string& field, Eigen::Index at) {
+    fields.add(field, 1, column(rows, [&](std::size_t c) {
+                 return cells.values(static_cast<Eigen::Index>(c), at);
+               }));
+  };
+  Eigen::Index at = 0;
+  add("density", at++);
+  for (int r = 0; r < D; ++r)
+    for (int c = r; c < D; ++c) add(std::string("stress_") + "xyz"[r] + "xyz"[c], at++);
+}
+
 }  // namespace
+
+std::string frame_file(const std::string& name, const char* kind, std::size_t number,
+                       const char* extension, int piece) {
+  char digits[24];
+  std::snprintf(digits, sizeof digits, "_%04zu", number);
+  return name + "_" + kind + digits + (piece < 0 ? "" : "_" + std::to_string(piece)) + extension;
+}
+
+namespace {
+
+// a.vtp of a.pvtp, and the way back.
+std::filesystem::path other_form(std::filesystem::path file) {
+  const std::string extension = file.extension().string();
+  const bool pieces = extension.starts_with(".p");
+  return file.replace_extension(pieces ? "." + extension.substr(2) : ".p" + extension.substr(1));
+}
+
+}  // namespace
+
+void remove_other_frame(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::filesystem::remove(other_form(file), ignored);
+}
+
+void write_frame_list(const std::filesystem::path& folder, const std::string& name,
+                      const char* kind, const char* extension, const std::vector<double>& times,
+                      std::size_t first) {
+  std::vector<TimedFile> files;
+  for (std::size_t i = first; i < times.size(); ++i) {
+    std::filesystem::path file = frame_file(name, kind, i, extension);
+    std::error_code none;
+    if (!std::filesystem::exists(folder / file, none) &&
+        std::filesystem::exists(folder / other_form(file), none))
+      file = other_form(file);
+    files.push_back({times[i], file});
+  }
+  write_pvd(folder / (name + "_" + kind + ".pvd"), files);
+}
+
+bool has_cell_frame(const Method& method) {
+  return method.quadrature != Quadrature::particles;
+}
+
+template <int D>
+FieldSet particle_frame(const View<D>& view, const std::vector<std::string>& names) {
+  const Particles<D>& particles = view.particles();
+  auto known = particle_fields_of(view.problem(), particles);
+  known.at("id").put = [&view](std::size_t p, double* to) {
+    *to = static_cast<double>(view.number_of(p));
+  };
+  FieldSet out = fields_at(view.state().time, view.state().steps);
+  for (const std::string& name : names) {
+    const auto field = known.find(name);
+    if (field == known.end())
+      throw InvalidArgument("field of the particles", name, suggest(name, particle_fields()));
+    const auto components = static_cast<std::size_t>(field->second.components);
+    std::vector<double> values(view.state().own() * components);
+    for (std::size_t p = 0; p < view.state().own(); ++p)
+      field->second.put(p, &values[p * components]);
+    out.add(name, field->second.components, std::move(values), field->second.type,
+            field->second.kind);
+  }
+  return out;
+}
+
+template <int D>
+FieldSet node_frame(const View<D>& view) {
+  view.require_mapped("frame");
+  const Nodes<D>& nodes = view.nodes();
+  const std::size_t count = nodes.grid.size();
+  FieldSet fields = fields_at(view.state().time, view.state().steps);
+  fields.add("mass", 1, nodes.mass);
+  const auto add_vector = [&](const char* field, const std::vector<Vector<D>>& values) {
+    fields.add(field, D, column(count, [&](std::size_t i) { return values[i]; }),
+               NumberType::float64, FieldKind::vector);
+  };
+  add_vector("velocity", nodes.velocity);
+  add_vector("force", nodes.force);
+  if (is_fit(view.problem().method.velocity))
+    add_reports(fields, count, nodes.fit, nodes.fit_nodes);
+  if (view.problem().method.quadrature == Quadrature::nodal_cells)
+    add_fits(fields, count, view.step().cells());
+  return fields;
+}
+
+template <int D>
+FieldSet cell_frame(const View<D>& view) {
+  view.require_mapped("frame");
+  const Cells<D>& cells = view.step().cells();
+  FieldSet fields = fields_at(view.state().time, view.state().steps);
+  if (view.problem().method.quadrature == Quadrature::cells) {
+    add_fits(fields, cells.fill.size(), cells);
+    add_reports(fields, cells.fill.size(), cells.fit, {});
+  }
+  fields.add("fill", 1, cells.fill);
+  return fields;
+}
 
 template <int D>
 void write_frame(const std::filesystem::path& folder, const std::string& name,
                  const Simulation<D>& simulation, std::vector<double>& times,
                  const FrameOptions& options) {
-  const Grid<D>& grid = simulation.problem().grid;
-  recon::detail::require(simulation.mapped(), "frame", "of nodes of another time",
-                         "needs a map() before");
-  const Nodes<D>& nodes = simulation.nodes();
-  const Cells<D>& cells = simulation.cells();
-  const std::size_t number = times.size();
-
-  write_vtp(folder / file_name(name, "particles", number, ".vtp"),
-            points_of(simulation.particles().x), fields_of_particles(simulation, options.fields));
-
-  FieldSet of_nodes = fields_at(simulation.time(), simulation.steps());
-  of_nodes.add("mass", 1, nodes.mass);
-  const auto add_vector = [&](const char* field, const std::vector<Vector<D>>& values) {
-    of_nodes.add(field, D, column(grid.size(), [&](std::size_t i) { return values[i]; }),
-                 NumberType::float64, FieldKind::vector);
+  const View<D> view(simulation);
+  const StructuredGrid<double>& grid = simulation.problem().grid.nodes();
+  const bool with_cells = has_cell_frame(simulation.problem().method);
+  const auto file = [&](const char* kind, const char* extension) {
+    return folder / frame_file(name, kind, times.size(), extension);
   };
-  add_vector("velocity", nodes.velocity);
-  add_vector("force", nodes.force);
-  if (nodes.fit.size() > 0) add_reports(of_nodes, grid.size(), nodes.fit, nodes.fit_nodes);
-  // Of the fits, whose stress is that of the problem's own directions.
-  const auto add_fits = [&](FieldSet& fields, std::size_t rows) {
-    const auto add = [&](const std::string& field, Eigen::Index at) {
-      fields.add(field, 1, column(rows, [&](std::size_t c) {
-                   return cells.values(static_cast<Eigen::Index>(c), at);
-                 }));
-    };
-    Eigen::Index at = 0;
-    add("density", at++);
-    for (int r = 0; r < D; ++r)
-      for (int c = r; c < D; ++c) add(std::string("stress_") + "xyz"[r] + "xyz"[c], at++);
-  };
-  const Quadrature quadrature = simulation.problem().method.quadrature;
-  if (quadrature == Quadrature::nodal_cells) add_fits(of_nodes, grid.size());
-  write_vti(folder / file_name(name, "nodes", number, ".vti"), grid.nodes(), of_nodes);
-
-  if (!cells.fill.empty()) {
-    FieldSet of_cells = fields_at(simulation.time(), simulation.steps());
-    if (quadrature == Quadrature::cells) {
-      add_fits(of_cells, cells.fill.size());
-      add_reports(of_cells, cells.fill.size(), cells.fit, {});
-    }
-    of_cells.add("fill", 1, cells.fill);
-    write_vti(folder / file_name(name, "cells", number, ".vti"), cell_centres(grid.nodes()),
-              of_cells);
-  }
+  view.require_mapped("frame");
+  write_vtp(file("particles", ".vtp"), points_of(simulation.particles().x),
+            particle_frame(view, options.fields));
+  write_vti(file("nodes", ".vti"), grid, node_frame(view));
+  if (with_cells) write_vti(file("cells", ".vti"), cell_centres(grid), cell_frame(view));
+  remove_other_frame(file("particles", ".vtp"));
+  remove_other_frame(file("nodes", ".vti"));
+  if (with_cells) remove_other_frame(file("cells", ".vti"));
   times.push_back(simulation.time());
   const auto list = [&](const char* kind, const char* extension) {
-    write_list(folder, name, kind, extension, times, options.first_listed);
+    write_frame_list(folder, name, kind, extension, times, options.first_listed);
   };
   list("particles", ".vtp");
   list("nodes", ".vti");
-  if (!cells.fill.empty()) list("cells", ".vti");
+  if (with_cells) list("cells", ".vti");
 }
 
-template void write_frame(const std::filesystem::path&, const std::string&, const Simulation<1>&,
-                          std::vector<double>&, const FrameOptions&);
-template void write_frame(const std::filesystem::path&, const std::string&, const Simulation<2>&,
-                          std::vector<double>&, const FrameOptions&);
-template void write_frame(const std::filesystem::path&, const std::string&, const Simulation<3>&,
-                          std::vector<double>&, const FrameOptions&);
+#define RECON_INSTANTIATE(D)                                                         \
+  template FieldSet particle_frame(const View<D>&, const std::vector<std::string>&); \
+  template FieldSet node_frame(const View<D>&);                                      \
+  template FieldSet cell_frame(const View<D>&);                                      \
+  template void write_frame(const std::filesystem::path&, const std::string&,        \
+                            const Simulation<D>&, std::vector<double>&, const FrameOptions&);
+RECON_INSTANTIATE(1)
+RECON_INSTANTIATE(2)
+RECON_INSTANTIATE(3)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "recon/io/read.hpp"
+#include "recon/io/write.hpp"
+#include "recon/points/make_view.hpp"
 #include "temporary.hpp"
 
 namespace {
@@ -105,6 +107,49 @@ TEST(ReadVtk, XmlInPieces) {
   EXPECT_THAT(table.column("x"), ElementsAre(0, 1, 2, 3));
   EXPECT_THAT(table.column("a & b"), ElementsAre(7, 8, 9, 10));
   EXPECT_EQ(table.time, 2.5);
+}
+
+// Points in several files, of which one has none.
+TEST(ReadVtk, PointsInSeveralFiles) {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const char* name, std::vector<double> x, const char* field = "mass") {
+    recon::FieldSet fields;
+    fields.step = 7;
+    fields.add(field, 1, x);
+    const std::vector<double> y(x.size(), 2);
+    std::array<std::vector<double>, 3> axes{x, y, {}};
+    recon::write_vtp(folder.path() / name, recon::points_of_axes(axes, 2), fields);
+    return fields;
+  };
+  write("a_0.vtp", {1, 2});
+  write("a_1.vtp", {});
+  const recon::FieldSet fields = write("a_2.vtp", {5});
+  const auto all = folder.path() / "a.pvtp";
+  recon::write_pvtp(all, 2, {"a_0.vtp", "a_1.vtp", "a_2.vtp"}, fields);
+  const ParticleTable table = recon::read_particles(all);
+  EXPECT_THAT(table.column("x"), ElementsAre(1, 2, 5));
+  EXPECT_THAT(table.column("y"), ElementsAre(2, 2, 2));
+  EXPECT_THAT(table.column("mass"), ElementsAre(1, 2, 5));
+  EXPECT_EQ(table.step, 7);
+  const auto expect = [&](const std::string& part) {
+    try {
+      recon::read_particles(all);
+      ADD_FAILURE() << part;
+    } catch (const recon::FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(part));
+    }
+  };
+  write("a_1.vtp", {4}, "weight");
+  expect("the piece has no array 'mass' like the first one");
+  recon::write_pvtp(all, 2, {"a_0.vtp", "nowhere.vtp"}, fields);
+  expect("nowhere.vtp");
+  recon::write_pvtp(all, 2, {"a_0.vtp", "a.pvtp"}, fields);
+  expect("name one of these");  // itself
+  recon::write_pvtp(all, 2, {""}, fields);
+  expect("name of a file as its Source");
+  recon::write_pvtp(all, 2, {}, fields);
+  expect("no Piece");
+  test::expect_file_error([&] { read_particles_of(test::bytes_of(all)); }, 2, "name one of these");
 }
 
 TEST(ReadVtk, XmlWhatIsWrongIsNamed) {

@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
+#include <map>
 
 #include "mpm/support.hpp"
-#include "petsc/petsc_support.hpp"
+#include "ranks/folder.hpp"
+#include "recon/io/read.hpp"
 #include "recon/ranks/distributed_simulation.hpp"
 #include "recon/runs/compose.hpp"
 #include "recon/runs/simulation.hpp"
@@ -14,6 +17,7 @@ namespace {
 
 using recon::testing::world;
 using ::testing::HasSubstr;
+namespace fs = std::filesystem;
 
 // The largest difference of an array, over its largest entry.
 template <class A, class B>
@@ -175,69 +179,206 @@ TEST(OnRanks, StressesFirstAndMuslAreThoseOfOne) {
 }
 
 // A vortex in a square that repeats itself along x, between rollers: particles change ranks.
-TEST(OnRanks, AVortexInAPeriodMovesAsOnOne) {
-  for (const char* name : {"mpm", "ugimp", "cpdi1", "bspline2", "apic", "cpls", "impm", "xpic"}) {
-    Problem<2> problem;
-    constexpr double h = 1.0 / 16;
-    problem.periodic = {true, false};
-    problem.grid = periodic_grid<2>({0, 0}, {1, 1}, h, problem.periodic);
-    problem.materials = {NeoHookean{Lame::from(1000, 0.3)}};
-    problem.densities = {1000};
-    problem.method = method_named(name);
-    for (int i = 0; i < 32 * 32; ++i) {
-      const Vector<2> X((i % 32 + 0.5) * h / 2, (i / 32 + 0.5) * h / 2);
-      problem.particles.add(X, Matrix<2>::Identity() * (h / 4), 1000, 0);
-      problem.particles.v.back() =
-          Vector<2>(1 + 0.2 * std::sin(2 * M_PI * X[0]) * std::cos(M_PI * X[1]),
-                    -0.4 * std::cos(2 * M_PI * X[0]) * std::sin(M_PI * X[1]));
-    }
-    for (const double at : {0.0, 1.0}) {
-      Boundary<2> wall;
-      wall.axis = 1;
-      wall.at = at;
-      wall.velocity[1] = 0.0;
-      problem.boundaries.push_back(wall);
-    }
-    expect_motion_of_one_rank(problem, 20, true);
+Problem<2> vortex(const Method& method) {
+  Problem<2> problem;
+  constexpr double h = 1.0 / 16;
+  problem.periodic = {true, false};
+  problem.grid = periodic_grid<2>({0, 0}, {1, 1}, h, problem.periodic);
+  problem.materials = {NeoHookean{Lame::from(1000, 0.3)}};
+  problem.densities = {1000};
+  problem.method = method;
+  for (int i = 0; i < 32 * 32; ++i) {
+    const Vector<2> X((i % 32 + 0.5) * h / 2, (i / 32 + 0.5) * h / 2);
+    problem.particles.add(X, Matrix<2>::Identity() * (h / 4), 1000, 0);
+    problem.particles.v.back() =
+        Vector<2>(1 + 0.2 * std::sin(2 * M_PI * X[0]) * std::cos(M_PI * X[1]),
+                  -0.4 * std::cos(2 * M_PI * X[0]) * std::sin(M_PI * X[1]));
   }
+  for (const double at : {0.0, 1.0}) {
+    Boundary<2> wall;
+    wall.axis = 1;
+    wall.at = at;
+    wall.velocity[1] = 0.0;
+    problem.boundaries.push_back(wall);
+  }
+  return problem;
+}
+
+TEST(OnRanks, AVortexInAPeriodMovesAsOnOne) {
+  for (const char* name : {"mpm", "ugimp", "cpdi1", "bspline2", "apic", "cpls", "impm", "xpic"})
+    expect_motion_of_one_rank(vortex(method_named(name)), 20, true);
 }
 
 // A column on a wall whose images give, with loads on its end, a body force and damping.
-TEST(OnRanks, WallsAndLoadsActAsOnOne) {
-  for (const char* name : {"mpm", "cpdi1", "cpls", "affine_cpdi"}) {
-    Problem<2> problem;
-    problem.grid = Grid<2>({0, 0}, {3, 1.6}, 0.1);
-    problem.materials = {NeoHookean{Lame::from(1000, 0.3)}};
-    problem.densities = {1000};
-    problem.method = method_named(name);
-    for (int i = 0; i < 40 * 8; ++i) {
-      const Vector<2> X(0.437 + (i % 40 + 0.5) * 0.05, 0.4 + (i / 40 + 0.5) * 0.05);
-      problem.particles.add(X, Matrix<2>::Identity() * 0.025, 1000, 0);
+Problem<2> column(const Method& method) {
+  Problem<2> problem;
+  problem.grid = Grid<2>({0, 0}, {3, 1.6}, 0.1);
+  problem.materials = {NeoHookean{Lame::from(1000, 0.3)}};
+  problem.densities = {1000};
+  problem.method = method;
+  for (int i = 0; i < 40 * 8; ++i) {
+    const Vector<2> X(0.437 + (i % 40 + 0.5) * 0.05, 0.4 + (i / 40 + 0.5) * 0.05);
+    problem.particles.add(X, Matrix<2>::Identity() * 0.025, 1000, 0);
+  }
+  Boundary<2> wall;
+  wall.axis = 0;
+  wall.at = 0.437;
+  wall.images = true;
+  wall.velocity[0] = 0.0;
+  problem.boundaries = {wall};
+  problem.damping = {0.1, 0};
+  problem.body_force = [](const Particles<2>& particles, double t, int,
+                          std::vector<Vector<2>>& out) {
+    for (std::size_t p = 0; p < particles.size(); ++p)
+      out[p] += Vector<2>(std::sin(particles.X[p][1] + t), particles.X[p][0]);
+  };
+  for (std::size_t row = 0; row < 8; ++row)
+    for (const std::size_t column : {3, 19, 20, 39}) {
+      Load<2> load;
+      load.particle = row * 40 + column;
+      load.offset = {0.025, 0};
+      load.area = {0.05, 0};
+      load.force = [](const LoadedPlace<2>& place, double t) {
+        return Vector<2>(-(20 + t) * place.area);
+      };
+      problem.loads.push_back(load);
     }
-    Boundary<2> wall;
-    wall.axis = 0;
-    wall.at = 0.437;
-    wall.images = true;
-    wall.velocity[0] = 0.0;
-    problem.boundaries = {wall};
-    problem.damping = {0.1, 0};
-    problem.body_force = [](const Particles<2>& particles, double t, int,
-                            std::vector<Vector<2>>& out) {
-      for (std::size_t p = 0; p < particles.size(); ++p)
-        out[p] += Vector<2>(std::sin(particles.X[p][1] + t), particles.X[p][0]);
-    };
-    for (std::size_t row = 0; row < 8; ++row)
-      for (const std::size_t column : {3, 19, 20, 39}) {
-        Load<2> load;
-        load.particle = row * 40 + column;
-        load.offset = {0.025, 0};
-        load.area = {0.05, 0};
-        load.force = [](const LoadedPlace<2>& place, double t) {
-          return Vector<2>(-(20 + t) * place.area);
-        };
-        problem.loads.push_back(load);
+  return problem;
+}
+
+TEST(OnRanks, WallsAndLoadsActAsOnOne) {
+  for (const char* name : {"mpm", "cpdi1", "cpls", "affine_cpdi"})
+    expect_motion_of_one_rank(column(method_named(name)), 20);
+}
+
+// Frames in pieces have what that of one process has: all particles once, by their ids, nodes and cells
+// at every place, in pieces that share points; fits where material is.
+struct Place {
+  std::vector<double> values;
+  int pieces = 0;
+};
+using Places = std::map<std::array<long, 3>, Place>;
+template <int D>
+void add_places(const fs::path& path, const Grid<D>& grid, Places& places) {
+  const ParticleTable table = read_particles(path);
+  const std::vector<std::string> names = table.all_names();
+  const auto x = table.positions(D);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    std::array<long, 3> at{};
+    for (int d = 0; d < D; ++d)
+      at[static_cast<std::size_t>(d)] = std::lround(2 * (x(i, d) - grid.lower()[d]) / grid.h());
+    Place& place = places[at];
+    std::vector<double> values;
+    for (const std::string& name : names)
+      if (!axis_of_coordinate(name)) values.push_back(table.raw_column(name)[i]);
+    if (place.pieces++ > 0) {
+      EXPECT_THAT(values, ::testing::Pointwise(::testing::NanSensitiveDoubleEq(), place.values));
+    }
+    place.values = values;
+  }
+}
+
+template <int D>
+void expect_frame_of_one_rank(const Problem<D>& problem, int steps) {
+  const std::string& name = problem.method.name;
+  const Folder folder;
+  Simulation<D> whole(problem);
+  DistributedSimulation<D> parts(world(), problem);
+  for (int i = 0; i < steps; ++i) {
+    whole.step(whole.choose_step().dt);
+    parts.step(parts.choose_step().dt);
+  }
+  whole.map();
+  parts.map();
+  std::vector<double> times, times_of_one;
+  parts.write_frame(folder.path, "a", times);
+  MPI_Barrier(world().get());
+  EXPECT_EQ(times, (std::vector<double>{parts.time()}));
+  if (world().rank() != 0) return;
+  fs::create_directory(folder.path / "one");
+  write_frame(folder.path / "one", "a", whole, times_of_one);
+  const auto near = [&](double a, double b, double largest) {
+    if (std::isnan(a) || std::isnan(b)) return std::isnan(a) && std::isnan(b);
+    return std::abs(a - b) <= 1e-12 * std::max(largest, 1e-3);
+  };
+  const auto largest_of = [](const std::vector<double>& values) {
+    double largest = 0;
+    for (const double value : values)
+      if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+    return largest;
+  };
+  {
+    const ParticleTable one = read_particles(folder.path / "one" / "a_particles_0000.vtp"),
+                        all = read_particles(folder.path / "a_particles_0000.pvtp");
+    ASSERT_EQ(all.size(), one.size()) << name;
+    EXPECT_EQ(all.time, parts.time());
+    EXPECT_EQ(all.step, parts.steps());
+    const auto& ids = all.column("id");
+    for (const std::string& column : one.all_names()) {
+      const auto &a = one.raw_column(column), &b = all.raw_column(column);
+      const double largest = largest_of(a);
+      for (std::size_t p = 0; p < ids.size(); ++p)
+        ASSERT_TRUE(near(a.at(static_cast<std::size_t>(ids[p])), b[p], largest))
+            << name << " " << column << " " << p;
+    }
+  }
+  for (const std::string kind : {"nodes", "cells"}) {
+    const fs::path file = folder.path / "one" / ("a_" + kind + "_0000.vti");
+    ASSERT_EQ(fs::exists(file), fs::exists(folder.path / ("a_" + kind + "_0000.pvti")));
+    if (!fs::exists(file)) continue;
+    Places one, all;
+    add_places<D>(file, problem.grid, one);
+    std::size_t listed = 0;
+    const std::string list = [&] {
+      std::ifstream in(folder.path / ("a_" + kind + "_0000.pvti"));
+      return std::string(std::istreambuf_iterator<char>(in), {});
+    }();
+    for (int r = 0; r < world().size(); ++r) {
+      const std::string piece = "a_" + kind + "_0000_" + std::to_string(r) + ".vti";
+      if (list.find(piece) == std::string::npos) continue;
+      ++listed;
+      add_places<D>(folder.path / piece, problem.grid, all);
+    }
+    EXPECT_GT(listed, 0u);
+    ASSERT_EQ(all.size(), one.size()) << name << " " << kind;
+    const ParticleTable table = read_particles(file);
+    std::vector<std::string> names;
+    std::vector<double> largest;
+    for (const std::string& column : table.all_names())
+      if (!axis_of_coordinate(column)) {
+        names.push_back(column);
+        largest.push_back(largest_of(table.raw_column(column)));
       }
-    expect_motion_of_one_rank(problem, 20);
+    const auto at_material =
+        std::find(names.begin(), names.end(), kind == "nodes" ? "mass" : "fill");
+    ASSERT_NE(at_material, names.end());
+    const auto material = static_cast<std::size_t>(at_material - names.begin());
+    std::size_t compared = 0;
+    for (const auto& [at, place] : one) {
+      const Place& other = all.at(at);
+      for (std::size_t c = 0; c < names.size(); ++c) {
+        const bool of_fit = names[c].starts_with("fit_") || names[c].starts_with("stress_") ||
+                            names[c] == "density";
+        if (of_fit && place.values[material] == 0) continue;
+        ++compared;
+        ASSERT_TRUE(near(place.values[c], other.values[c], largest[c]))
+            << name << " " << kind << " " << names[c] << ": " << place.values[c] << ", "
+            << other.values[c] << " at " << at[0] << ", " << at[1];
+      }
+    }
+    EXPECT_GE(compared, one.size());
+  }
+}
+
+TEST(OnRanks, FramesInPiecesAreThoseOfOne) {
+  for (const char* name : {"mpm", "cpdi2", "bspline3", "cpls", "impm", "imls_mpm", "improved_cpdi",
+                           "impm_adjoint", "tls", "wls"})
+    expect_frame_of_one_rank(thrown<2>(method_named(name)), 4);
+  expect_frame_of_one_rank(thrown<1>(method_named("impm")), 4);
+  expect_frame_of_one_rank(thrown<3>(method_named("impm")), 2);
+  for (const char* name : {"cpdi1", "cpls", "impm"}) {
+    expect_frame_of_one_rank(vortex(method_named(name)), 4);
+    expect_frame_of_one_rank(column(method_named(name)), 4);
   }
 }
 

@@ -25,8 +25,8 @@
 //   VTK                 Points and their data of polygonal data, unstructured, structured and image
 //                       grids (nodes of the latter become points): legacy files of any version in
 //                       text or binary, and XML files (.vtp, .vtu, .vts, .vti) with data in text or
-//                       base64 or appended, plain or compressed by zlib. Cells and their data are
-//                       passed over. The time is TimeValue (or TIME), the step `step` (or CYCLE).
+//                       base64 or appended, plain or compressed by zlib; .pvtp and .pvtu, with the
+//                       files that they name. Cells and their data are passed over. The time is TimeValue (or TIME), the step `step` (or CYCLE).
 //   HDF5                H5MD (positions and every other element of a group of particles that has a
 //                       value for each of them; box and boundary) and openPMD (the records of a
 //                       species at each iteration, in units of the SI: positions are position +

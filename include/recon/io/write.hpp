@@ -5,6 +5,7 @@
 //   .vtp   write_vtp   fields at scattered points (VTK PolyData, one vertex per point)
 //   .pvd   write_pvd   a series of such files with their times (ParaView collection)
 //   .pvti  write_pvti  a grid whose nodes are in several .vti files (write_vti_piece)
+//   .pvtp  write_pvtp  points that are in several .vtp files
 //
 // write() chooses by the extension. All of them write the whole file or none of it
 // (atomic_file.hpp).
@@ -75,6 +76,11 @@ struct GridPieceFile {
 };
 void write_pvti(const std::filesystem::path& path, const StructuredGrid<double>& grid,
                 const std::vector<GridPieceFile>& pieces, const FieldSet& fields);
+
+// The same for points: the file that names .vtp files whose fields are those of `fields`, and whose
+// points have this dimension.
+void write_pvtp(const std::filesystem::path& path, int dimension,
+                const std::vector<std::filesystem::path>& pieces, const FieldSet& fields);
 
 // Chooses by the extension: .csv or .vti for a grid, .csv or .vtp for points. FileError for others.
 void write(const std::filesystem::path& path, const StructuredGrid<double>& grid,

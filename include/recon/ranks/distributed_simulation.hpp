@@ -28,6 +28,7 @@
 #include <memory>
 
 #include "recon/petsc/communicator.hpp"
+#include "recon/runs/frames.hpp"
 #include "recon/runs/ledger.hpp"
 
 namespace recon::mpm {
@@ -72,6 +73,15 @@ class DistributedSimulation {
 
   // The ledger of the state that map() computed last, as account() has it, on all ranks.
   Ledger account(const std::optional<Ledger>& start = {}, const std::optional<Ledger>& before = {});
+
+  // Writes the state that map() computed last as the frame after those at `times` (runs/frames.hpp), in
+  // pieces: each rank the own particles, nodes and cells of its box, NAME_particles_0007_RANK.vtp
+  // and so on, and the first one NAME_particles_0007.pvtp, NAME_nodes_0007.pvti,
+  // NAME_cells_0007.pvti, which name them, and the lists NAME_particles.pvd. Fits are there where
+  // material is: at nodes that particles see, and in cells that hold some; those of one process may be
+  // a cell farther out. All ranks see the folder, and have the same times.
+  void write_frame(const std::filesystem::path& folder, const std::string& name,
+                   std::vector<double>& times, const FrameOptions& options = {});
 
   // The state of all particles, in the order of the problem, on rank 0; on all others one without
   // particles.

@@ -1,0 +1,34 @@
+// What frames (frames.hpp) hold, of one whole or of a part of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recon/fields/field_set.hpp"
+#include "recon/runs/view.hpp"
+
+namespace recon::mpm {
+
+// Of the own particles, these of particle_fields().
+template <int D>
+FieldSet particle_frame(const View<D>& view, const std::vector<std::string>& names);
+// At the nodes that the view has.
+template <int D>
+FieldSet node_frame(const View<D>& view);
+// Whether the method has fields at cells, and those at the cells of the nodes of the view.
+bool has_cell_frame(const Method& method);
+template <int D>
+FieldSet cell_frame(const View<D>& view);
+
+// NAME_kind_0007.ext, or of one of several pieces NAME_kind_0007_2.ext.
+std::string frame_file(const std::string& name, const char* kind, std::size_t number,
+                       const char* extension, int piece = -1);
+// Removes the file of this frame that a run with more or fewer processes has left: in pieces or not.
+void remove_other_frame(const std::filesystem::path& file);
+// NAME_kind.pvd of all frames at these times from number `first` on. Those of a run before a restart
+// may be in pieces where the others are not.
+void write_frame_list(const std::filesystem::path& folder, const std::string& name,
+                      const char* kind, const char* extension, const std::vector<double>& times,
+                      std::size_t first);
+
+}  // namespace recon::mpm
