@@ -197,11 +197,9 @@ std::vector<char> filled_cells(const View<D>& view) {
 template <int D>
 void hold(const View<D>& view, const Window<D>& window, Brought<D>& nodes) {
   const Grid<D> part = window.part_of(view.problem().grid);
-  const double time =
-      view.state().time - view.problem().method.velocity_lag(view.state().last_dt);
+  const double time = view.state().time - view.problem().method.velocity_lag(view.state().last_dt);
   std::vector<double>& velocity = nodes.values("velocity");
-  for (const HeldComponent<D>& held :
-       view.step().policies().boundaries.held_in(part, window.first))
+  for (const HeldComponent<D>& held : view.step().policies().boundaries.held_in(part, window.first))
     if (!nodes.is_told(held.node))
       velocity[held.node * D + static_cast<std::size_t>(held.axis)] =
           (*held.velocity)(held.x, time);
@@ -226,7 +224,8 @@ void write_frame_pieces(const std::filesystem::path& folder, const std::string& 
   };
 
   const FieldSet particles = particle_frame(view, options.fields);
-  const FieldSet here = node_frame(view), here_in_cells = with_cells ? cell_frame(view) : FieldSet{};
+  const FieldSet here = node_frame(view),
+                 here_in_cells = with_cells ? cell_frame(view) : FieldSet{};
   std::vector<Lattice<D>> of_nodes, of_cells;
   for (const Window<D>& window : windows) {
     of_nodes.push_back(Lattice<D>::of_nodes(window));
@@ -244,8 +243,7 @@ void write_frame_pieces(const std::filesystem::path& folder, const std::string& 
                              filled_cells(view), of_cells, rank, messages)
                       .fields();
   }
-  const std::vector<double> counts =
-      view.of_all({static_cast<double>(view.state().own())});
+  const std::vector<double> counts = view.of_all({static_cast<double>(view.state().own())});
 
   // Pieces first, then the files that name them, by one rank.
   if (counts[mine] > 0) {
@@ -289,9 +287,9 @@ void write_frame_pieces(const std::filesystem::path& folder, const std::string& 
   if (with_cells) list("cells", ".pvti");
 }
 
-#define RECON_INSTANTIATE(D)                                                                       \
-  template void write_frame_pieces(const std::filesystem::path&, const std::string&,               \
-                                   const View<D>&, const Boxes<D>&, Votes&, Messages<D>&,          \
+#define RECON_INSTANTIATE(D)                                                              \
+  template void write_frame_pieces(const std::filesystem::path&, const std::string&,      \
+                                   const View<D>&, const Boxes<D>&, Votes&, Messages<D>&, \
                                    std::vector<double>&, const FrameOptions&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

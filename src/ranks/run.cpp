@@ -69,8 +69,11 @@ int ranks_of_this_machine(const petsc::Communicator& ranks) {
 template <int D>
 class OnRanks final : public Stepping<D> {
  public:
-  OnRanks(Votes& votes, const Problem<D>& problem)
-      : votes_(votes), problem_(problem), parts_(votes.ranks(), problem) {}
+  // A restart is compared with the particles of the problem, which are kept until it has been read.
+  OnRanks(Votes& votes, Problem<D>&& problem, bool restarts)
+      : votes_(votes),
+        particles_(restarts ? problem.particles : Particles<D>()),
+        parts_(votes.ranks(), std::move(problem)) {}
 
   TimeStep choose_step() override { return parts_.choose_step(); }
   void map() override { parts_.map(); }
@@ -82,21 +85,20 @@ class OnRanks final : public Stepping<D> {
   bool writes() const override { return parts_.ranks().rank() == 0; }
   void agree() override { votes_.vote(); }
 
-  // Every rank reads it, and keeps what is its own; the first one keeps all, to write from.
+  // Every rank reads it, and keeps what is its own.
   typename Stepping<D>::Restart read_checkpoint(const std::filesystem::path& path,
                                                 const Formulas& formulas) override {
-    Simulation<D>& whole = whole_.emplace(problem_);
+    Problem<D> problem = parts_.problem();
+    problem.particles = std::move(particles_);
+    Simulation<D> whole(std::move(problem));
     RunState state = mpm::read_checkpoint(path, whole, formulas);
-    Forecast expected = forecast(whole.problem(), whole.state());
     parts_.restore(whole.state());
-    at_ = whole.steps();
-    if (!writes()) whole_.reset();
-    return {std::move(state), std::move(expected)};
+    return {std::move(state), forecast(whole.problem(), whole.state())};
   }
   void write_checkpoint(const std::filesystem::path& path, const Formulas& formulas,
                         const RunState& state) override {
-    gather();
-    if (writes()) mpm::write_checkpoint(path, *whole_, formulas, state);
+    const State<D> whole = parts_.gather();
+    if (writes()) mpm::write_checkpoint(path, parts_.problem(), whole, formulas, state);
   }
   void write_frame(const std::filesystem::path& folder, const std::string& name,
                    std::vector<double>& times, const FrameOptions& options) override {
@@ -107,21 +109,10 @@ class OnRanks final : public Stepping<D> {
   std::optional<Spread> spread() const override;
 
  private:
-  // Brings the whole state to the first rank, once for each step.
-  void gather() {
-    if (at_ == this->steps()) return;
-    State<D> state = parts_.gather();
-    at_ = this->steps();
-    if (!writes()) return;
-    if (!whole_) whole_.emplace(problem_);
-    whole_->restore(std::move(state));
-  }
-
   Votes& votes_;
-  const Problem<D>& problem_;
+  Particles<D> particles_;
   DistributedSimulation<D> parts_;
-  std::optional<Simulation<D>> whole_;  // on the first rank, as of step at_
-  std::int64_t at_ = -1, steps_ = 0;
+  std::int64_t steps_ = 0;
 };
 
 template <int D>
@@ -148,12 +139,11 @@ std::optional<Spread> OnRanks<D>::spread() const {
 }  // namespace
 
 template <int D>
-RunResult run(const petsc::Communicator& ranks, const ProblemFile<D>& file,
-              const RunOptions& options) {
+RunResult run(const petsc::Communicator& ranks, ProblemFile<D> file, const RunOptions& options) {
   RunResult result;
   if (ranks.size() == 1) {
-    result = run<D>(file, options);
     const std::size_t all = file.problem.particles.size();
+    result = run<D>(std::move(file), options);
     result.spread = Spread{.ranks = 1, .least = all, .most = all};
     return result;
   }
@@ -162,18 +152,27 @@ RunResult run(const petsc::Communicator& ranks, const ProblemFile<D>& file,
     require_same(votes, file, options);
     RunOptions own = options;
     if (ranks.rank() != 0) own.begins = {}, own.progress = {}, own.saved = {};
-    const double copies = ranks_of_this_machine(ranks);
-    result = run<D>(
-        file, own,
-        {[&](const Problem<D>& problem) { return std::make_unique<OnRanks<D>>(votes, problem); },
-         // The first rank has the whole beside its part.
-         copies + (ranks.rank() == 0 ? 1 : 0)});
+    // At the start all ranks have all particles, while they are made, and the first one when they are
+    // saved; then their parts, with at most as many copies.
+    const double here = ranks_of_this_machine(ranks), part = here / ranks.size();
+    const double all = 2 * bytes_of_particle<D>(file.problem.kept()) *
+                       static_cast<double>(file.problem.particles.size());
+    const bool first = ranks.rank() == 0;
+    const auto memory = [=](double of_one) {
+      return std::max(here * all, 2 * part * of_one + (first ? all : 0));
+    };
+    result = run<D>(std::move(file), own,
+                    {[&](Problem<D>&& problem) {
+                       return std::make_unique<OnRanks<D>>(votes, std::move(problem),
+                                                           !own.restart.empty());
+                     },
+                     memory});
   });
   return result;
 }
 
 #define RECON_INSTANTIATE(D) \
-  template RunResult run(const petsc::Communicator&, const ProblemFile<D>&, const RunOptions&);
+  template RunResult run(const petsc::Communicator&, ProblemFile<D>, const RunOptions&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

@@ -161,6 +161,12 @@ void check_particles(const Reader& read, const Particles<D>& found, const Proble
 template <int D>
 void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& simulation,
                       const Formulas& formulas, const RunState& state) {
+  write_checkpoint(path, simulation.problem(), simulation.state(), formulas, state);
+}
+
+template <int D>
+void write_checkpoint(const std::filesystem::path& path, const Problem<D>& problem,
+                      const State<D>& of, const Formulas& formulas, const RunState& state) {
   const QuietHdf5 quiet;
   AtomicFile atomic(path);
   int error = 0;
@@ -168,17 +174,15 @@ void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& si
     const Handle file(create_hdf5(atomic.descriptor(), error), H5Fclose);
     const Writer write{path, file};
     write.check(file >= 0);
-    const Particles<D>& particles = simulation.particles();
-    const std::string problem = to_text(identity_of(simulation.problem(), particles, formulas));
-    write.put("problem", problem.data(), problem.size());
-    particles.arrays(simulation.problem().kept(),
-                     [&](const ParticleArray& array, const auto& values) {
-                       if (array.per_particle > 0) write(array.name, values);
-                     });
+    const std::string identity = to_text(identity_of(problem, of.particles, formulas));
+    write.put("problem", identity.data(), identity.size());
+    of.particles.arrays(problem.kept(), [&](const ParticleArray& array, const auto& values) {
+      if (array.per_particle > 0) write(array.name, values);
+    });
     write("frame_times", state.frame_times);
-    write.attribute("time", simulation.time());
-    write.attribute("steps", static_cast<double>(simulation.steps()));
-    write.attribute("last_dt", simulation.last_step());
+    write.attribute("time", of.time);
+    write.attribute("steps", static_cast<double>(of.steps));
+    write.attribute("last_dt", of.last_dt);
     write.attribute("start_kinetic", state.start.kinetic);
     write.attribute("start_node_kinetic", state.start.node_kinetic);
     write.attribute("start_strain", state.start.strain);
@@ -245,9 +249,11 @@ RunState read_checkpoint(const std::filesystem::path& path, Simulation<D>& simul
   return state;
 }
 
-#define RECON_INSTANTIATE(D)                                                         \
-  template void write_checkpoint(const std::filesystem::path&, const Simulation<D>&, \
-                                 const Formulas&, const RunState&);                  \
+#define RECON_INSTANTIATE(D)                                                                       \
+  template void write_checkpoint(const std::filesystem::path&, const Simulation<D>&,               \
+                                 const Formulas&, const RunState&);                                \
+  template void write_checkpoint(const std::filesystem::path&, const Problem<D>&, const State<D>&, \
+                                 const Formulas&, const RunState&);                                \
   template RunState read_checkpoint(const std::filesystem::path&, Simulation<D>&, const Formulas&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

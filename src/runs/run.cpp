@@ -41,7 +41,7 @@ bool same_folder(const std::filesystem::path& a, const std::filesystem::path& b)
 template <int D>
 class Alone final : public Stepping<D> {
  public:
-  explicit Alone(const Problem<D>& problem) : simulation_(problem) {}
+  explicit Alone(Problem<D>&& problem) : simulation_(std::move(problem)) {}
 
   TimeStep choose_step() override { return simulation_.choose_step(); }
   void map() override { simulation_.map(); }
@@ -96,13 +96,14 @@ void run_until(Simulation<D>& simulation, double end, const std::function<void()
 }
 
 template <int D>
-RunResult run(const ProblemFile<D>& file, const RunOptions& options) {
-  return run<D>(file, options,
-                {[](const Problem<D>& problem) { return std::make_unique<Alone<D>>(problem); }});
+RunResult run(ProblemFile<D> file, const RunOptions& options) {
+  return run<D>(std::move(file), options, {[](Problem<D>&& problem) {
+                  return std::make_unique<Alone<D>>(std::move(problem));
+                }});
 }
 
 template <int D>
-RunResult run(const ProblemFile<D>& file, const RunOptions& options, const Place<D>& place) {
+RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& place) {
   const double end = file.problem.time.end;
   recon::detail::require(std::isfinite(end), "end", end, "must be finite");
   file.problem.validate();
@@ -110,7 +111,7 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options, const Place
   RunResult result;
   const auto expect = [&](const Forecast& forecast, double time) {
     result.forecast = forecast;
-    result.forecast.memory *= place.copies;
+    if (place.memory) result.forecast.memory = place.memory(forecast.memory);
     require_possible(result.forecast, file.limits, time);
   };
   expect(forecast(file.problem), 0);
@@ -127,7 +128,9 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options, const Place
                        "is of another run; go on from its checkpoint, overwrite it, or choose "
                        "another folder");
 
-  const std::unique_ptr<Stepping<D>> simulation = place.begin(file.problem);
+  // The particles go there: a run has them once.
+  const std::unique_ptr<Stepping<D>> simulation = place.begin(std::move(file.problem));
+  const std::optional<double> rest = simulation->view().problem().time.rest;
   RunState state;
   if (!from_start) {
     try {
@@ -180,7 +183,7 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options, const Place
     return now.steps == 0 || passes(interval, now.time - now.last_dt, now.time);
   };
   // Without a ledger only the ends are accounted for, and the work between them is not known.
-  const bool every_step = file.output.ledger || file.problem.time.rest;
+  const bool every_step = file.output.ledger || rest;
   std::optional<Ledger> before;
   for (bool first = true;; first = false) {
     simulation->map();
@@ -206,7 +209,7 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options, const Place
       result.largest_momentum_defect =
           std::max(result.largest_momentum_defect, distance(now.momentum, now.node_momentum));
       if (ledger_file) ledger_file->add(ledger_row(now));
-      if (const auto& tolerance = file.problem.time.rest) {
+      if (const auto& tolerance = rest) {
         result.rest = rest_of(view, forces, now.node_kinetic, now.strain, *tolerance);
         done = done || result.rest->reached;
       }
@@ -246,9 +249,9 @@ RunResult run(const ProblemFile<D>& file, const RunOptions& options, const Place
   return result;
 }
 
-#define RECON_INSTANTIATE(D)                                                         \
-  template RunResult run(const ProblemFile<D>&, const RunOptions&);                  \
-  template RunResult run(const ProblemFile<D>&, const RunOptions&, const Place<D>&); \
+#define RECON_INSTANTIATE(D)                                                    \
+  template RunResult run(ProblemFile<D>, const RunOptions&);                    \
+  template RunResult run(ProblemFile<D>&&, const RunOptions&, const Place<D>&); \
   template void run_until(Simulation<D>&, double, const std::function<void()>&, const Limits&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)

@@ -50,12 +50,12 @@ class Stepping {
 // Where a run happens.
 template <int D>
 struct Place {
-  std::function<std::unique_ptr<Stepping<D>>(const Problem<D>&)> begin;
-  // How many copies of the simulation have to be in the memory of this machine.
-  double copies = 1;
+  std::function<std::unique_ptr<Stepping<D>>(Problem<D>&&)> begin;
+  // The memory that it takes on this machine, of what one process is expected to take; null: that.
+  std::function<double(double)> memory{};
 };
 
 template <int D>
-RunResult run(const ProblemFile<D>& problem, const RunOptions& options, const Place<D>& place);
+RunResult run(ProblemFile<D>&& problem, const RunOptions& options, const Place<D>& place);
 
 }  // namespace recon::mpm

@@ -15,10 +15,12 @@ class Folder {
  public:
   Folder() {
     std::array<char, 512> name{};
-    const std::string pattern = (std::filesystem::temp_directory_path() / "recon-test-XXXXXX").string();
+    const std::string pattern =
+        (std::filesystem::temp_directory_path() / "recon-test-XXXXXX").string();
     std::memcpy(name.data(), pattern.data(), std::min(pattern.size(), name.size() - 1));
     if (recon::testing::world().rank() == 0 && mkdtemp(name.data()) == nullptr) name[0] = 0;
-    MPI_Bcast(name.data(), static_cast<int>(name.size()), MPI_CHAR, 0, recon::testing::world().get());
+    MPI_Bcast(name.data(), static_cast<int>(name.size()), MPI_CHAR, 0,
+              recon::testing::world().get());
     path = name.data();
   }
   ~Folder() {

@@ -9,9 +9,14 @@
 //
 // The folder has the same files as without ranks (runs/run.hpp), to rounding, and a run goes on
 // from the checkpoint of any other, with or without ranks: with as many ranks as before to the bit.
-// All ranks see the same folder, and are given the same problem. The first one writes: ledger and
-// probes from sums of all ranks, frames and checkpoints from the state of all particles, which
-// comes to it whenever one of them is due; for a frame it maps that state once more on its own.
+// All ranks see the same folder, and are given the same problem. Frames are written in pieces, one by
+// each rank (DistributedSimulation::write_frame; one rank alone writes them as one process does). The first
+// one writes ledger and probes, from sums of all ranks, and checkpoints, from the state of all
+// particles, which comes to it whenever one is due.
+//
+// Memory: at the start, and where a restart is read, each rank has all particles for a moment; then
+// its own and copies (ranks/distributed_simulation.hpp), and the first one all of them again while a
+// checkpoint is written.
 //
 // What a rank throws, all throw, with their types as in run(): Failure with the number that the
 // particle has in the problem, and "rank 3: " in front of its reason.
@@ -29,7 +34,6 @@ namespace recon::mpm {
 // of the ranks differ (what identifies them, see checkpoint.hpp, their particles and times), and
 // what DistributedSimulation refuses.
 template <int D>
-RunResult run(const petsc::Communicator& ranks, const ProblemFile<D>& problem,
-              const RunOptions& options);
+RunResult run(const petsc::Communicator& ranks, ProblemFile<D> problem, const RunOptions& options);
 
 }  // namespace recon::mpm

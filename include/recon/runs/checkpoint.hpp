@@ -35,6 +35,11 @@ template <int D>
 void write_checkpoint(const std::filesystem::path& path, const Simulation<D>& simulation,
                       const Formulas& formulas, const RunState& state);
 
+// The same of a state whose problem, without its particles, is given.
+template <int D>
+void write_checkpoint(const std::filesystem::path& path, const Problem<D>& problem,
+                      const State<D>& of, const Formulas& formulas, const RunState& state);
+
 // Reads a checkpoint into the simulation. Throws FileError for a file that is no checkpoint, is of
 // another format, is damaged, or is of another problem (with the first difference: what, its value
 // in the checkpoint, its value now), and for contents that no run can have: numbers that are not

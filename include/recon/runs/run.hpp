@@ -83,7 +83,7 @@ struct RunResult {
 // written, InvalidArgument for a problem without an end or one that takes more than there is
 // (forecast.hpp), Failure where the run cannot go on.
 template <int D>
-RunResult run(const ProblemFile<D>& problem, const RunOptions& options);
+RunResult run(ProblemFile<D> problem, const RunOptions& options);
 
 // Steps until `end` exactly, without any output. The steps are equal where their rule gives the
 // same for all. observe() is called after every map(), also after the last one, at `end`. Throws

@@ -31,9 +31,9 @@ int Launch::largest(int number) const {
 }
 
 template <int D>
-mpm::RunResult Launch::run(const mpm::ProblemFile<D>& problem,
-                           const mpm::RunOptions& options) const {
-  return has_ranks() ? mpm::run(ranks_->all(), problem, options) : mpm::run(problem, options);
+mpm::RunResult Launch::run(mpm::ProblemFile<D>&& problem, const mpm::RunOptions& options) const {
+  return has_ranks() ? mpm::run(ranks_->all(), std::move(problem), options)
+                     : mpm::run(std::move(problem), options);
 }
 
 #else
@@ -55,17 +55,16 @@ int Launch::largest(int number) const {
 }
 
 template <int D>
-mpm::RunResult Launch::run(const mpm::ProblemFile<D>& problem,
-                           const mpm::RunOptions& options) const {
-  return mpm::run(problem, options);
+mpm::RunResult Launch::run(mpm::ProblemFile<D>&& problem, const mpm::RunOptions& options) const {
+  return mpm::run(std::move(problem), options);
 }
 
 #endif
 
 Launch::~Launch() = default;
 
-template mpm::RunResult Launch::run(const mpm::ProblemFile<1>&, const mpm::RunOptions&) const;
-template mpm::RunResult Launch::run(const mpm::ProblemFile<2>&, const mpm::RunOptions&) const;
-template mpm::RunResult Launch::run(const mpm::ProblemFile<3>&, const mpm::RunOptions&) const;
+template mpm::RunResult Launch::run(mpm::ProblemFile<1>&&, const mpm::RunOptions&) const;
+template mpm::RunResult Launch::run(mpm::ProblemFile<2>&&, const mpm::RunOptions&) const;
+template mpm::RunResult Launch::run(mpm::ProblemFile<3>&&, const mpm::RunOptions&) const;
 
 }  // namespace recon::program

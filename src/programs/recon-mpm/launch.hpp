@@ -29,7 +29,7 @@ class Launch {
   int largest(int number) const;
   // mpm::run(), on all ranks where there are some.
   template <int D>
-  mpm::RunResult run(const mpm::ProblemFile<D>& problem, const mpm::RunOptions& options) const;
+  mpm::RunResult run(mpm::ProblemFile<D>&& problem, const mpm::RunOptions& options) const;
 
  private:
   struct All;

@@ -48,7 +48,7 @@ void print_summary(const mpm::ProblemFile<D>& file, const mpm::RunResult& result
   const mpm::Ledger &first = result.first, &last = result.last;
   print_line("problem", file.title.empty() ? "untitled" : file.title);
   print_line("method", problem.method.name + ", " + std::to_string(D) + "-D, " +
-                           counted(problem.particles.size(), "particle") + ", cells of " +
+                           counted(result.forecast.particles, "particle") + ", cells of " +
                            number(problem.grid.h()));
   print_line("time", number(result.time) + " after " +
                          counted(static_cast<std::size_t>(result.steps), "step") + " in " +
@@ -132,7 +132,7 @@ Json summary_object(const mpm::ProblemFile<D>& file, const mpm::RunResult& resul
   const mpm::Problem<D>& problem = file.problem;
   Json object = Json::object();
   object.set("problem", file.title).set("method", problem.method.name).set("dimension", D);
-  object.set("particles", problem.particles.size()).set("cell", problem.grid.h());
+  object.set("particles", result.forecast.particles).set("cell", problem.grid.h());
   Json expected = Json::object().set("steps", result.forecast.steps);
   expected.set("step", result.forecast.step.dt).set("memory", result.forecast.memory);
   expected.set("nodes", result.forecast.nodes);
@@ -256,7 +256,12 @@ std::string advice(const RunCommand& options, const mpm::TimeOptions& time, doub
 }
 
 template <int D>
-void run(const RunCommand& options, const mpm::ProblemFile<D>& file, const Launch& launch) {
+void run(const RunCommand& options, mpm::ProblemFile<D>&& given, const Launch& launch) {
+  // The particles are the run's alone.
+  mpm::Particles<D> particles = std::exchange(given.problem.particles, {});
+  const mpm::ProblemFile<D> file = given;
+  given.problem.particles = std::move(particles);
+
   const fs::path problem_path = options.problem.file;
   const std::string name = problem_path.stem().string();
   mpm::RunOptions run_options;
@@ -291,7 +296,7 @@ void run(const RunCommand& options, const mpm::ProblemFile<D>& file, const Launc
   mpm::RunResult result;
   const StopSignals signals;
   try {
-    result = launch.run(file, run_options);
+    result = launch.run(std::move(given), run_options);
   } catch (const InvalidArgument& refusal) {
     const std::string what = "the run cannot begin: " + std::string(refusal.what());
     const std::string& about = refusal.argument();
@@ -361,7 +366,7 @@ Command add_run(CLI::App& app, const Launch& launch) {
     std::visit(
         [&](auto& file) {
           if (launch.has_ranks()) file.problem.threads = threads_of_a_rank(file.problem.threads);
-          run(*options, file, launch);
+          run(*options, std::move(file), launch);
         },
         *problem);
   };
