@@ -114,6 +114,27 @@ void append(const Particles<D>& others, const Kept& kept, Particles<D>& to) {
 }
 
 template <int D>
+Particles<D> sized(const Kept& kept, std::size_t count) {
+  Particles<D> whole;
+  whole.arrays(kept, [&](const ParticleArray& array, auto& values) {
+    values.resize(count * array.per_particle);
+  });
+  return whole;
+}
+
+template <int D>
+void put(const Particles<D>& some, const Kept& kept, std::span<const std::uint32_t> numbers,
+         Particles<D>& whole) {
+  for_both<D>(kept, whole, some, [&](std::size_t each, auto& to, const auto& from) {
+    using Offset = std::ptrdiff_t;
+    if (from.empty()) return;
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      std::copy_n(from.begin() + static_cast<Offset>(i * each), each,
+                  to.begin() + static_cast<Offset>(numbers[i] * each));
+  });
+}
+
+template <int D>
 void keep_first(std::size_t count, const Kept& kept, Particles<D>& particles) {
   particles.arrays(kept, [&](const ParticleArray& array, auto& values) {
     if (!values.empty()) values.resize(count * array.per_particle);
@@ -127,6 +148,9 @@ void keep_first(std::size_t count, const Kept& kept, Particles<D>& particles) {
   template void require_parts(const Problem<D>&);                                               \
   template Particles<D> chosen(const Particles<D>&, const Kept&, std::span<const std::size_t>); \
   template void append(const Particles<D>&, const Kept&, Particles<D>&);                        \
+  template Particles<D> sized(const Kept&, std::size_t);                                        \
+  template void put(const Particles<D>&, const Kept&, std::span<const std::uint32_t>,           \
+                    Particles<D>&);                                                             \
   template void keep_first(std::size_t, const Kept&, Particles<D>&);
 RECON_DIMENSIONS(RECON_INSTANTIATE)
 #undef RECON_INSTANTIATE

@@ -122,24 +122,47 @@ class DistributedSimulation<D>::Exchange : public OtherParts<D> {
     numbers = chosen(now, order);
   }
 
+  // Some particles of each rank at a time: the first one has the whole once, and no other more than
+  // its own.
   State<D> gather() {
-    Lists sent(size_);
-    if (rank() != 0) {
-      sent[0].resize(numbers.size());
-      std::iota(sent[0].begin(), sent[0].end(), std::size_t{0});
+    constexpr std::size_t at_once = 16384;
+    State<D> whole{{}, state.time, state.last_dt, state.steps};
+    std::vector<bool> arrived_before(rank() == 0 ? all : 0);
+    std::size_t count = 0;
+    const auto place = [&](const Particles<D>& some, const std::vector<std::uint32_t>& whose) {
+      for (const std::uint32_t number : whose) {
+        recon::detail::require(number < all && !arrived_before[number], "particles of all ranks",
+                               number, "must be those of the problem, each once");
+        arrived_before[number] = true;
+      }
+      count += whose.size();
+      put(some, kept_, whose, whole.particles);
+    };
+    if (rank() == 0) whole.particles = sized<D>(kept_, all);
+    const std::size_t turns = (numbers.size() + at_once - 1) / at_once;
+    const auto most = static_cast<std::size_t>(votes.vote(static_cast<double>(turns)));
+    for (std::size_t turn = 0; turn < most; ++turn) {
+      const std::size_t begin = std::min(turn * at_once, numbers.size());
+      const std::size_t end = std::min(begin + at_once, numbers.size());
+      std::vector<std::size_t> some(end - begin);
+      std::iota(some.begin(), some.end(), begin);
+      Lists sent(size_);
+      if (rank() == 0)
+        place(chosen(state.particles, kept_, some), chosen(numbers, some));
+      else
+        sent[0] = std::move(some);
+      votes.vote();
+      const auto arrived = messages->send(sent, state.particles, numbers);
+      if (rank() != 0) continue;
+      Particles<D> more;
+      std::vector<std::uint32_t> whose;
+      messages->append(arrived, more, whose);
+      place(more, whose);
     }
-    const auto arrived = messages->send(sent, state.particles, numbers);
-    if (rank() != 0) return {{}, state.time, state.last_dt, state.steps};
-    Particles<D> particles = state.particles;
-    keep_first(state.own(), kept_, particles);
-    std::vector<std::uint32_t> whose = numbers;
-    messages->append(arrived, particles, whose);
-    std::vector<std::size_t> order(all, all);
-    for (std::size_t i = 0; i < whose.size(); ++i) order.at(whose[i]) = i;
-    recon::detail::require(
-        whose.size() == all && std::find(order.begin(), order.end(), all) == order.end(),
-        "particles of all ranks", whose.size(), "must be those of the problem, each once");
-    return {chosen(particles, kept_, order), state.time, state.last_dt, state.steps};
+    if (rank() == 0)
+      recon::detail::require(count == all, "particles of all ranks", count,
+                             "must be those of the problem, each once");
+    return whole;
   }
 
   // The signs of the masses of the nodes that this rank has.

@@ -46,6 +46,10 @@ void fill_cells(const Grid<D>& grid, const Region<D>& region, int n, double jitt
   }
   recon::detail::require(places <= most, "particles of a body", places,
                          "are up to so many, which is more than there is memory for");
+  const std::size_t room = out.size() + static_cast<std::size_t>(places);
+  out.arrays({}, [&](const ParticleArray& array, auto& values) {
+    values.reserve(room * array.per_particle);
+  });
   std::mt19937 random(1);
   for (std::size_t i = 0, count = static_cast<std::size_t>(places); i < count; ++i) {
     Vector<D> X;

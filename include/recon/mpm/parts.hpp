@@ -70,6 +70,12 @@ Particles<D> chosen(const Particles<D>& particles, const Kept& kept,
 // Other particles after those of `to`.
 template <int D>
 void append(const Particles<D>& others, const Kept& kept, Particles<D>& to);
+// So many particles, without values yet; and particles in the places of a whole with these numbers.
+template <int D>
+Particles<D> sized(const Kept& kept, std::size_t count);
+template <int D>
+void put(const Particles<D>& some, const Kept& kept, std::span<const std::uint32_t> numbers,
+         Particles<D>& whole);
 // The first `count` particles are left.
 template <int D>
 void keep_first(std::size_t count, const Kept& kept, Particles<D>& particles);

@@ -10,8 +10,8 @@
 // Space is cut into one box for each rank so that all have as many particles as the others at the
 // start (recursive bisection across the longest axis of what is cut). A particle belongs to the rank
 // in whose box it lies, and goes to another one at the end of a step. Each rank makes steps with
-// its own particles and copies of others as far as they reach (mpm/parts.hpp); it has all nodes of
-// the grid, of which those are right that its own particles see.
+// its own particles and copies of others as far as they reach (mpm/parts.hpp), on the nodes of the box
+// around these (seen_by()), of which those are right that its own particles see.
 //
 // The motion is that of one rank to rounding; it is the same bits for any number of threads, and
 // from any state that gather() has given for the same number of ranks.
@@ -21,7 +21,8 @@
 // "rank 3: " in front of its reason; InvalidArgument; anything else as runtime_error. After a failed
 // step nothing but restore() is of use.
 //
-// Every rank is given the whole problem, and lets go of the particles that are not its own.
+// Every rank is given the whole problem, and lets go of the particles that are not its own. On one
+// rank all is as in Simulation, to the bit.
 // Refused, by InvalidArgument: what Problem::validate() and require_parts() refuse.
 #pragma once
 
