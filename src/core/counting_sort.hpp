@@ -26,9 +26,9 @@ class CountingSort {
 
   // Gives back the memory of the sorting itself: 8 bytes for each number, 12 after several sorts.
   void forget_scratch() {
-    key_ = {};
-    rough_ = {};
-    next_ = {};
+    key_ = Array<std::uint32_t>();  // = {} would keep the memory
+    rough_ = Array<Pair>();
+    next_ = Array<std::uint32_t>();
   }
 
   // The numbers by ascending key, those of equal key ascending.

@@ -66,13 +66,7 @@ class Cells {
     });
     sort_.sort(cells(), threads);
     points_.assign_permuted(cloud, sort_.order(), threads);
-    for (auto& axis : x_) axis.resize(n + padding);
-    recon::parallel_blocks(n, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p)
-        for (int d = 0; d < D; ++d) x_[d][p] = coarse(points_(p, d), d);
-    });
-    for (auto& axis : x_)
-      std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(n), padding, Coarse<S>(0));
+    make_coarse(threads);
     index_ = sort_.order();
     double squares = 0;
     for (std::size_t c = 0; c < cells(); ++c) {
@@ -80,8 +74,18 @@ class Cells {
       squares += here * here;
     }
     mean_company_ = n == 0 ? 0 : squares / static_cast<double>(n);
-    for (int d = 0; d < D; ++d) view_.x[d] = x_[d].data();
     view_.first = sort_.first().data();
+  }
+
+  // Gives back what only collect() reads of the view and what only the next build() would use.
+  void forget_coarse() {
+    for (auto& axis : x_) axis = Array<Coarse<S>>();  // = {} would keep the memory
+    forget_scratch();
+  }
+  void forget_scratch() { sort_.forget_scratch(); }
+  // Makes what collect() reads where it has been given back. For one thread at a time.
+  void bring_coarse(int threads) const {
+    if (x_[0].empty()) make_coarse(threads);
   }
 
   // From now on particles are numbered by their places; those in order() keep the numbers that they
@@ -133,6 +137,18 @@ class Cells {
   double mean_company() const { return mean_company_; }
 
  private:
+  void make_coarse(int threads) const {
+    const std::size_t n = particles();
+    for (auto& axis : x_) axis.resize(n + padding);
+    recon::parallel_blocks(n, points_per_block, threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p)
+        for (int d = 0; d < D; ++d) x_[d][p] = coarse(points_(p, d), d);
+    });
+    for (auto& axis : x_)
+      std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(n), padding, Coarse<S>(0));
+    for (int d = 0; d < D; ++d) view_.x[d] = x_[d].data();
+  }
+
   // Of a coordinate in the box of the particles.
   Coarse<S> coarse(S x, int d) const {
     if constexpr (std::is_same_v<S, float>) return x;
@@ -166,11 +182,11 @@ class Cells {
   }
 
   double size_ = 1, mean_company_ = 0;
-  CellView<S> view_;
+  mutable CellView<S> view_;
   CountingSort sort_;
   PointCloud<S> points_;
-  std::array<Array<Coarse<S>>, D> x_;       // longer than the particles by `padding`
-  std::span<const ParticleIndex> index_{};  // empty: particles are numbered by their places
+  mutable std::array<Array<Coarse<S>>, D> x_;  // longer than the particles by `padding`
+  std::span<const ParticleIndex> index_{};     // empty: particles are numbered by their places
 };
 
 }  // namespace recon::detail

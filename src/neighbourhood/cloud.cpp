@@ -64,6 +64,7 @@ Cloud<Scalar>::Cloud(const PointsView<Scalar>& points, const SourcesOptions& opt
   domain_ = stretched<Scalar>(options.domain, options.stretch);
   update(points, &options.particle_weights);
   incoming_ = {};
+  with_kept([](auto& kept) { kept.ordered->sorted_cells().forget_scratch(); });
 }
 
 template <class Scalar>
@@ -212,7 +213,10 @@ void Cloud<Scalar>::find(const PointCloud<Scalar>& targets, const NeighbourRule&
 
 template <class Scalar>
 void Cloud<Scalar>::forget_buffers() const {
-  with_kept([](auto& kept) { kept.index.forget_buffers(); });
+  with_kept([](auto& kept) {
+    kept.index.forget_buffers();
+    kept.ordered->sorted_cells().forget_coarse();
+  });
 }
 
 RECON_FLOAT(template class Cloud<float>;)

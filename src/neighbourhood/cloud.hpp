@@ -58,7 +58,7 @@ class Cloud {
   void find(const PointCloud<Scalar>& targets, const NeighbourRule& rule,
             const NeighbourOptions& options, const RowsAsked& rows,
             NeighbourList<Scalar>& list) const;
-  // Gives back the memory that searches keep for the next one.
+  // Gives back the memory that searches keep for the next one. No search may be going on.
   void forget_buffers() const;
 
  private:

@@ -101,12 +101,13 @@ class SearchIndex {
     paid_ = 0;
   }
 
-  // Cells of density_cell_size().
+  // Cells of density_cell_size(), with all that collect() reads.
   std::shared_ptr<const Grid> cells(int threads) {
     const std::lock_guard lock(mutex_);
     if (!grid_)
       grid_ =
           std::make_shared<Grid>(cloud_, density_cell_size(cloud_, particles_per_cell), threads);
+    grid_->sorted_cells().bring_coarse(threads);
     return grid_;
   }
 

@@ -215,7 +215,7 @@ void FitProblem<Scalar>::forget_buffers() {
   kernel_->forget_buffers();
   incoming_ = {};
   sort_ = {};
-  row_reports_ = {};
+  row_reports_ = Array<FitReport>();  // = {} would keep the memory
 }
 
 template <class Scalar>

@@ -69,6 +69,30 @@ TEST(Allocations, ApplyIntoAnArrayOfOnesOwnNeedsNone) {
   EXPECT_NEAR(b[17], 2, 1e-12);
 }
 
+// 12 bytes for each entry; for each target its report, coordinates, offset, support and number; for
+// each particle its coordinates and number, and a third of a cell. What only the next update would
+// need is not kept, and an update makes it again.
+TEST(Allocations, AReconstructionOfPointsKeepsWhatItNeedsAlone) {
+  constexpr long k = 10, about_the_arrays = 32768;
+  const auto points = random_points<double, 3>(particles, 1);
+  const auto at = random_points<double, 3>(targets, 3),
+             others = random_points<double, 3>(targets, 4);
+  const Options options{.degree = 1, .neighbours = Nearest{k}, .threads = 1};
+  const long before = bytes_in_use;
+  Reconstruction fit = reconstruct(points_of(points), points_of(at), options);
+  const long of_target = 12 * k + sizeof(FitReport) + 3 * 8 + 8 + 8 + 4,
+             of_particle = 3 * 8 + 4 + 2;
+  EXPECT_LT(bytes_in_use - before, static_cast<long>(targets) * of_target +
+                                       static_cast<long>(particles) * of_particle +
+                                       about_the_arrays);
+  fit.update(points_of(others));
+  std::vector<double> u(particles), v(targets), w(targets);
+  for (std::size_t p = 0; p < particles; ++p) u[p] = points[p][0] * points[p][1];
+  fit.apply(field_of(u), field_of(v));
+  reconstruct(points_of(points), points_of(others), options).apply(field_of(u), field_of(w));
+  EXPECT_EQ(v, w);
+}
+
 }  // namespace
 }  // namespace recon::testing
 #endif

@@ -19,20 +19,24 @@
 #endif
 
 #if RECON_COUNTS_ALLOCATIONS
+#include <malloc.h>
+
 namespace recon::testing {
 
-inline std::atomic<long> allocations{0};
+inline std::atomic<long> allocations{0}, bytes_in_use{0};
 
 inline void* allocate(std::size_t size, std::size_t alignment) {
   ++allocations;
   size = (size + alignment - 1) / alignment * alignment;
   void* const memory = std::aligned_alloc(alignment, size == 0 ? alignment : size);
   if (memory == nullptr) throw std::bad_alloc();
+  bytes_in_use += static_cast<long>(malloc_usable_size(memory));
   return memory;
 }
 
 // Not inlined: the compiler may see free() without the allocate() above, and warn of a mismatch.
 [[gnu::noinline]] inline void release(void* memory) noexcept {
+  if (memory != nullptr) bytes_in_use -= static_cast<long>(malloc_usable_size(memory));
   std::free(memory);
 }
 

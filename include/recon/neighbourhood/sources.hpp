@@ -20,7 +20,7 @@
 // rows, neighbours or reports. A reconstruction is mended by its own update(), an operator is made
 // anew. Nobody may read while somebody updates.
 //
-// Memory: about 55 bytes for each particle in 3-D (double), and 24 more from the first update on.
+// Memory: about 42 bytes for each particle in 3-D (double), and 36 more from the first update on.
 #pragma once
 
 #include <array>

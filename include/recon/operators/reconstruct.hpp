@@ -19,9 +19,9 @@
 //
 // A Reconstruction owns what it needs: your arrays may change or go once it is made. To follow
 // moving particles, make it from Sources (neighbourhood/sources.hpp) and update both. Memory: about
-// 12 bytes (double) per target and neighbour, and for coordinates, order and search 55 bytes per
-// particle and 50 per target in 3-D. One that has been moved from may only be assigned to or
-// destroyed, as operators and Sources may.
+// 12 bytes (double) per target and neighbour, and in 3-D 80 bytes per target (a report of 36, the
+// coordinates, offset, support and number) and 30 per particle. One that has been moved from may
+// only be assigned to or destroyed, as operators and Sources may.
 //
 // Several threads may use one Reconstruction at once through const functions (core/parallel.hpp
 // says how threads are shared). Options::progress is told how far a long one has come, and can
