@@ -63,6 +63,7 @@ struct Room {
   template <class U, std::size_t fixed, std::size_t each>
   struct Store {
     U numbers[fixed + each * most];
+    constexpr Store() {}
     constexpr std::size_t size() const { return fixed + each * most; }
     constexpr U* data() { return numbers; }
     constexpr const U* data() const { return numbers; }
@@ -71,8 +72,7 @@ struct Room {
   };
   template <class U, std::size_t fixed, std::size_t each>
   constexpr Store<U, fixed, each> make() const {
-    Store<U, fixed, each> store;
-    return store;
+    return Store<U, fixed, each>();
   }
 };
 
@@ -113,8 +113,7 @@ RECON_DEVICE LocalCloud<T, D> gather(const FitTask<D, T>& task, std::size_t t, i
     if (!periodic) continue;
     const ImageShift shift = detail::NeighbourKey<true>::shift(task.rows.shifts[first + i]);
     for (int d = 0; d < D; ++d)
-      if (task.frame.periodic[d])
-        offsets[d][i] += static_cast<T>(shift[d]) * task.frame.period[d];
+      if (task.frame.periodic[d]) offsets[d][i] += static_cast<T>(shift[d]) * task.frame.period[d];
   }
   stencil.weigh(task.weight, WeightForm::radial, task.slopes(), task.support_factor);
   return stencil.cloud();
@@ -247,10 +246,10 @@ struct FitOthers {
     const Given given(workspace, most);
     Stencil<T, D, Given> stencil(given);
     Solve solve(task.solver, task.tolerances, given);
-    T* const numbers = workspace
-                           .take<T>(static_cast<std::size_t>(detail::jet_size(D)) *
-                                    static_cast<std::size_t>(most))
-                           .data();
+    T* const numbers =
+        workspace
+            .take<T>(static_cast<std::size_t>(detail::jet_size(D)) * static_cast<std::size_t>(most))
+            .data();
     for (std::size_t i = w; i < *count; i += workers) {
       const std::size_t t = list[i];
       const LocalCloud<T, D> cloud = gather(task, t, count_of_row(task, t), stencil);

@@ -72,8 +72,9 @@ struct Load {
 
   RECON_DEVICE void operator()(std::size_t i) const {
     for (int d = 0; d < D; ++d) {
-      const T x = points.data[static_cast<std::ptrdiff_t>(i) * points.point_stride +
-                              d * points.axis_stride];
+      const T x =
+          points
+              .data[static_cast<std::ptrdiff_t>(i) * points.point_stride + d * points.axis_stride];
       const bool finite = x - x == T(0);
       if (!finite) keep_least(&trouble->not_finite, static_cast<std::uint32_t>(i));
       to[i * D + d] = finite ? frame.take(x, d) : x;
@@ -106,6 +107,12 @@ struct JoinExtents {
     }
     return a;
   }
+};
+
+template <class T>
+struct NoExtent {
+  Extent<T>* to;
+  RECON_DEVICE void operator()(std::size_t) const { *to = Extent<T>{}; }
 };
 
 // The cells of a cloud.
@@ -181,8 +188,7 @@ struct Key {
   RECON_DEVICE void operator()(std::size_t i) const {
     std::int64_t at[max_dimension] = {0, 0, 0};
     for (int d = 0; d < D; ++d) at[d] = layout->cell(x[i * D + d], d);
-    key[i] =
-        static_cast<std::uint32_t>(detail::row_of_cells(layout->counts, at[1], at[2]) + at[0]);
+    key[i] = static_cast<std::uint32_t>(detail::row_of_cells(layout->counts, at[1], at[2]) + at[0]);
     number[i] = static_cast<std::uint32_t>(i);
   }
 };
@@ -195,6 +201,14 @@ struct Permute {
 
   RECON_DEVICE void operator()(std::size_t i) const {
     for (int d = 0; d < D; ++d) to[i * D + d] = from[std::size_t{order[i]} * D + d];
+  }
+};
+
+struct PlaceOf {
+  const std::uint32_t* order;
+  std::uint32_t* place;
+  RECON_DEVICE void operator()(std::size_t i) const {
+    place[order[i]] = static_cast<std::uint32_t>(i);
   }
 };
 

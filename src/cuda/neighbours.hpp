@@ -92,8 +92,7 @@ struct CountWithin {
     T x[D];
     for (int d = 0; d < D; ++d) x[d] = targets[t * D + d];
     std::int64_t count = 0;
-    const bool found =
-        find_within<periodic>(cloud, x, rho, far, [&](KeyOf<periodic>) { ++count; });
+    const bool found = find_within<periodic>(cloud, x, rho, far, [&](KeyOf<periodic>) { ++count; });
     if (!found) keep_least(&trouble->shift, static_cast<std::uint32_t>(t));
     rows.offsets[t] = found ? count : 0;
     rows.support[t] = found ? rho : T(0);

@@ -54,8 +54,8 @@ struct ApplyTransposed {
     for (int c = 0; c < out.components; ++c) {
       const T sum = detail::sum_of<T>(count, [&](std::int64_t i) {
         const std::size_t e = entries[begin + i];
-        const T* const from = in.data + target_of[row_of[e]] * in.point_stride +
-                              c * blocks * in.component_stride;
+        const T* const from =
+            in.data + target_of[row_of[e]] * in.point_stride + c * blocks * in.component_stride;
         T part = 0;
         for (int b = 0; b < blocks; ++b)
           part += values[e * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(b)] *

@@ -180,10 +180,9 @@ class ReconstructionOn {
     out.validate("result", count_);
     detail::require(out.components == in.components * values.blocks, "components of the result",
                     out.components, "must be those of the field times the blocks of the operator");
-    executor_->for_each(
-        count_, Apply<T>{offsets_.data(), columns_.data(), target_of_.data(), reports_.data(),
-                         values.values.data(), values.blocks, in, out,
-                         static_cast<T>(options_->fill_value)});
+    executor_->for_each(count_, Apply<T>{offsets_.data(), columns_.data(), target_of_.data(),
+                                         reports_.data(), values.values.data(), values.blocks, in,
+                                         out, static_cast<T>(options_->fill_value)});
   }
 
   // The first call after an update sorts the entries by columns, and the very first needs memory
@@ -195,10 +194,10 @@ class ReconstructionOn {
     detail::require(in.components == out.components * values.blocks, "components of the field",
                     in.components, "must be those of the result times the blocks of the operator");
     sort_by_columns();
-    executor_->for_each(sources_->size(),
-                        ApplyTransposed<T>{first_.data(), entry_.data(), row_of_.data(),
-                                           target_of_.data(), values.values.data(), values.blocks,
-                                           in, out});
+    executor_->for_each(
+        sources_->size(),
+        ApplyTransposed<T>{first_.data(), entry_.data(), row_of_.data(), target_of_.data(),
+                           values.values.data(), values.blocks, in, out});
   }
 
  private:
@@ -292,8 +291,8 @@ class ReconstructionOn {
   }
   template <bool periodic, int room>
   void nearest_in(int k, int reach, double factor) {
-    FindNearest<D, T, periodic, room> search{sources_->view(), targets_.data(), k,     reach,
-                                             factor,           rows(),          trouble_.data()};
+    FindNearest<D, T, periodic, room> search{sources_->view(), targets_.data(), k, reach, factor,
+                                             rows(),           trouble_.data()};
     if constexpr (room == 0) {
       const std::size_t entries = static_cast<std::size_t>(k) * count_;
       Array<KeyOf<periodic>>& keys = std::get<Array<KeyOf<periodic>>>(far_keys_);
@@ -310,12 +309,12 @@ class ReconstructionOn {
     Executor& run = *executor_;
     using Count = CountWithin<D, T, periodic>;
     using Find = FindWithin<D, T, periodic>;
-    run.for_each(count_, Count{sources_->view(), targets_.data(), rho, far, rows(),
-                               trouble_.data()});
+    run.for_each(count_,
+                 Count{sources_->view(), targets_.data(), rho, far, rows(), trouble_.data()});
     run.for_each(1, SetOne{offsets_.data() + count_, 0});
     if (count_ > 0) {
-      const std::int64_t* const longest = fold<std::int64_t>(
-          run, longest_, count_, CountOf{offsets_.data()}, Larger{});
+      const std::int64_t* const longest =
+          fold<std::int64_t>(run, longest_, count_, CountOf{offsets_.data()}, Larger{});
       run.for_each(1, CopyOne{longest, total_.data() + 1});
     } else {
       run.for_each(1, SetOne{total_.data() + 1, 0});
@@ -419,9 +418,10 @@ class ReconstructionOn {
                                      static_cast<std::uint32_t>(particles), column_key_.data(),
                                      entry_.data()});
     run.sort(column_key_, entry_, entries, bits_of(particles));
-    run.for_each(entries + 1,
-                 FirstOfEach<Known>{column_key_.data(), entries,
-                                    {static_cast<std::int64_t>(particles)}, first_.data()});
+    run.for_each(
+        entries + 1,
+        FirstOfEach<Known>{
+            column_key_.data(), entries, {static_cast<std::int64_t>(particles)}, first_.data()});
     columns_are_sorted_ = true;
   }
 

@@ -122,7 +122,8 @@ class Around {
         }
       if (all) return;
       edge -= margin_;
-      if (best.full() && edge > 0 && edge * edge * (1 - rounding) > static_cast<double>(best.worst()))
+      if (best.full() && edge > 0 &&
+          edge * edge * (1 - rounding) > static_cast<double>(best.worst()))
         return;
       for (int d = 0; d < max_dimension; ++d) {
         was_from[d] = from[d];
@@ -181,7 +182,8 @@ class Around {
                                 const Best& best, const See& see) const {
     if (a > b) return;
     if (best.full()) {
-      const double left2 = static_cast<double>(best.worst()) * (1 + rounding) - gap2 * (1 - rounding);
+      const double left2 =
+          static_cast<double>(best.worst()) * (1 + rounding) - gap2 * (1 - rounding);
       if (left2 < 0) return;
       const double half = std::sqrt(left2) + margin_, x = static_cast<double>(x_[0]);
       a = most_of(a, cell_at(0, x - half));
@@ -253,8 +255,7 @@ RECON_DEVICE bool find_nearest(const CloudView<D, T>& cloud, const T* x, int rea
                                     seen[d] - cloud.layout->box_upper[d]);
               outside2 += static_cast<double>(out) * static_cast<double>(out);
             }
-            if (best.full() &&
-                outside2 * (1 - rounding) > static_cast<double>(best.worst()))
+            if (best.full() && outside2 * (1 - rounding) > static_cast<double>(best.worst()))
               continue;
             Named<periodic> name;
             for (int d = 0; d < D; ++d) name.shift[d] = static_cast<std::int8_t>(shift[d]);
@@ -295,7 +296,9 @@ RECON_DEVICE bool find_within(const CloudView<D, T>& cloud, const T* x, T rho, T
         move_by_shift(cloud.frame, shift, x, seen);
         Named<periodic> name;
         for (int d = 0; d < D; ++d) name.shift[d] = static_cast<std::int8_t>(shift[d]);
-        Around<D, T>(cloud, seen).within(rho, far, [&](std::uint32_t place, T) { see(name(place)); });
+        Around<D, T>(cloud, seen).within(rho, far, [&](std::uint32_t place, T) {
+          see(name(place));
+        });
       }
   return true;
 }

@@ -75,13 +75,13 @@ class SourcesOn {
       box = fold<Extent<T>>(run, boxes_, n, ExtentOf<D, T>{incoming_.data()}, JoinExtents<D, T>{});
     } else {
       run.provide(boxes_, 1);
-      run.for_each(1, Clear{boxes_.data()});
+      run.for_each(1, NoExtent<T>{boxes_.data()});
       box = boxes_.data();
     }
     run.for_each(1, ChooseCells<D, T>{box, n, frame_, layout_.data(), trouble_.data()});
     sort(incoming_.data(), n, key_, order_);
     run.for_each(n, Permute<D, T>{incoming_.data(), order_.data(), x_.data()});
-    run.for_each(n, Places{order_.data(), place_.data()});
+    run.for_each(n, PlaceOf{order_.data(), place_.data()});
     using First = FirstOfEach<CellsOfLayout<T>>;
     run.for_each(n + 1, First{key_.data(), n, {layout_.data()}, first_.data()});
   }
@@ -114,18 +114,6 @@ class SourcesOn {
  private:
   template <class U>
   using Array = typename Executor::template Array<U>;
-
-  struct Clear {
-    Extent<T>* box;
-    RECON_DEVICE void operator()(std::size_t) const { *box = Extent<T>{}; }
-  };
-  struct Places {
-    const std::uint32_t* order;
-    std::uint32_t* place;
-    RECON_DEVICE void operator()(std::size_t i) const {
-      place[order[i]] = static_cast<std::uint32_t>(i);
-    }
-  };
 
   std::shared_ptr<Executor> executor_;
   Frame<D, T> frame_;

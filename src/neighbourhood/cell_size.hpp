@@ -42,8 +42,7 @@ constexpr double cover_with_cells(double size, std::size_t particles, int dimens
     for (int d = 0; d < dimension; ++d) total *= std::floor(extent(d) / size) + 1;
     if (total <= most) break;
   }
-  for (int d = 0; d < dimension; ++d)
-    counts[d] = static_cast<std::int64_t>(extent(d) / size) + 1;
+  for (int d = 0; d < dimension; ++d) counts[d] = static_cast<std::int64_t>(extent(d) / size) + 1;
   return size;
 }
 

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "cuda/neighbours.hpp"
+#include "cuda/on_host.hpp"
 #include "recon/neighbourhood/search.hpp"
 #include "support/clouds.hpp"
-#include "cuda/on_host.hpp"
 
 namespace recon::testing {
 namespace {
@@ -31,7 +31,8 @@ std::vector<FoundRow<T>> rows_of(const HostSources<D, T>& sources,
   const cuda::CloudView<D, T> cloud = sources.view();
   std::vector<T> x;
   for (const auto& point : at)
-    for (int d = 0; d < D; ++d) x.push_back(sources.frame().take(point[static_cast<std::size_t>(d)], d));
+    for (int d = 0; d < D; ++d)
+      x.push_back(sources.frame().take(point[static_cast<std::size_t>(d)], d));
   std::vector<std::int64_t> offsets(at.size() + 1);
   std::vector<T> support(at.size());
   std::vector<std::uint32_t> places, shifts;
@@ -40,8 +41,8 @@ std::vector<FoundRow<T>> rows_of(const HostSources<D, T>& sources,
     return cuda::Rows<T>{offsets.data(), places.data(), shifts.data(), support.data()};
   };
   if (const auto* nearest = std::get_if<Nearest>(&rule)) {
-    const std::size_t k = periodic && sources.size() > 0 ? nearest->k
-                                                         : std::min(nearest->k, sources.size());
+    const std::size_t k =
+        periodic && sources.size() > 0 ? nearest->k : std::min(nearest->k, sources.size());
     for (std::size_t t = 0; t <= at.size(); ++t) offsets[t] = static_cast<std::int64_t>(t * k);
     places.resize(k * at.size());
     shifts.resize(k * at.size());
@@ -145,10 +146,18 @@ void expect_all_clouds() {
   }
 }
 
-TEST(CudaSearch, FindsWhatTheLibraryFindsIn1d) { expect_all_clouds<1, double>(); }
-TEST(CudaSearch, FindsWhatTheLibraryFindsIn2d) { expect_all_clouds<2, double>(); }
-TEST(CudaSearch, FindsWhatTheLibraryFindsIn3d) { expect_all_clouds<3, double>(); }
-TEST(CudaSearch, FindsWhatTheLibraryFindsInFloat) { expect_all_clouds<3, float>(); }
+TEST(CudaSearch, FindsWhatTheLibraryFindsIn1d) {
+  expect_all_clouds<1, double>();
+}
+TEST(CudaSearch, FindsWhatTheLibraryFindsIn2d) {
+  expect_all_clouds<2, double>();
+}
+TEST(CudaSearch, FindsWhatTheLibraryFindsIn3d) {
+  expect_all_clouds<3, double>();
+}
+TEST(CudaSearch, FindsWhatTheLibraryFindsInFloat) {
+  expect_all_clouds<3, float>();
+}
 
 TEST(CudaSearch, FindsPeriodicImages) {
   SourcesOptions options;
@@ -162,9 +171,8 @@ TEST(CudaSearch, FindsPeriodicImages) {
   };
   const auto targets = inside(random_points<double, 3>(25, 78));
   for (const std::size_t count : {std::size_t{1}, std::size_t{5}, std::size_t{300}})
-    for (const NeighbourRule& rule :
-         {NeighbourRule(Nearest{12}), NeighbourRule(Nearest{60}), NeighbourRule(Radius{0.2}),
-          NeighbourRule(Radius{1.6})})
+    for (const NeighbourRule& rule : {NeighbourRule(Nearest{12}), NeighbourRule(Nearest{60}),
+                                      NeighbourRule(Radius{0.2}), NeighbourRule(Radius{1.6})})
       expect_the_neighbours_of_the_library<3, double, true>(
           inside(random_points<double, 3>(count, 79)), targets, rule, options,
           std::to_string(count) + " particles");
@@ -175,8 +183,8 @@ TEST(CudaSearch, FollowsStretchAndManyCells) {
   options.stretch = {1, 0.25, 3};
   const auto points = random_points<double, 3>(4000, 80);
   for (const NeighbourRule& rule : {NeighbourRule(Nearest{21}), NeighbourRule(Radius{0.15})})
-    expect_the_neighbours_of_the_library<3, double, false>(
-        points, targets_for<3, double>(points), rule, options, "stretched");
+    expect_the_neighbours_of_the_library<3, double, false>(points, targets_for<3, double>(points),
+                                                           rule, options, "stretched");
 }
 
 TEST(CudaSearch, TiesAreThoseOfTheLibrary) {
