@@ -67,9 +67,9 @@ void expect_equal_rows(Fit& fit, const typename Fit::Operator& own, const CsrOpe
       ASSERT_EQ(fit.columns()[f], expected.particle(e)) << what << ", target " << t;
       for (int b = 0; b < own.blocks; ++b) {
         const double there = static_cast<double>(expected.value(e, b));
-        const double here =
-            static_cast<double>(own.values.data()[f * static_cast<std::size_t>(own.blocks) +
-                                                  static_cast<std::size_t>(b)]);
+        const double here = static_cast<double>(
+            own.values
+                .data()[f * static_cast<std::size_t>(own.blocks) + static_cast<std::size_t>(b)]);
         largest = std::max(largest, std::abs(there));
         apart = std::isnan(here) ? here : std::max(apart, std::abs(here - there));
       }
@@ -147,26 +147,28 @@ TEST(CudaFit, IsThatOfTheLibraryInEvenClouds) {
   for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt}) {
     const std::string what(name_of(solver));
     Options options{.degree = 1, .solver = solver};
-    expect_the_fits_of_the_library<2, double, 1>(even_cloud<2, double>(), some_targets<2, double>(60),
-                                                 options, "2-D by " + what);
+    expect_the_fits_of_the_library<2, double, 1>(
+        even_cloud<2, double>(), some_targets<2, double>(60), options, "2-D by " + what);
     options.neighbours = Radius{0.2};  // more than there is room for in the first pass
     options.weight = Weight::wendland_c2;
-    expect_the_fits_of_the_library<2, double, 1>(even_cloud<2, double>(), some_targets<2, double>(60),
-                                                 options, "2-D, a radius, by " + what);
+    expect_the_fits_of_the_library<2, double, 1>(
+        even_cloud<2, double>(), some_targets<2, double>(60), options, "2-D, a radius, by " + what);
     options.degree = 2;
     options.weight = Weight::gaussian;
     options.neighbours = Nearest{21};
-    expect_the_fits_of_the_library<3, double, 2>(even_cloud<3, double>(), some_targets<3, double>(60),
-                                                 options, "3-D by " + what);
+    expect_the_fits_of_the_library<3, double, 2>(
+        even_cloud<3, double>(), some_targets<3, double>(60), options, "3-D by " + what);
   }
 }
 
 TEST(CudaFit, IsThatOfTheLibraryInFloat) {
   for (const Solver solver : {Solver::moment_matrix, Solver::gram_schmidt})
-    expect_the_fits_of_the_library<3, float, 1>(
-        even_cloud<3, float>(), some_targets<3, float>(60),
-        {.degree = 1, .weight = Weight::quadratic_b_spline, .neighbours = Nearest{11}, .solver = solver},
-        "float by " + std::string(name_of(solver)));
+    expect_the_fits_of_the_library<3, float, 1>(even_cloud<3, float>(), some_targets<3, float>(60),
+                                                {.degree = 1,
+                                                 .weight = Weight::quadratic_b_spline,
+                                                 .neighbours = Nearest{11},
+                                                 .solver = solver},
+                                                "float by " + std::string(name_of(solver)));
 }
 
 TEST(CudaFit, IsThatOfTheLibraryInDegenerateClouds) {
@@ -239,8 +241,9 @@ TEST(CudaFit, ProductsAreThoseOfTheLibraryAndAdjoint) {
       double forward = 0, backward = 0, scale = 0;
       for (std::size_t t = 0; t < m; ++t)
         for (int i = 0; i < all; ++i) {
-          const double term = au[t * static_cast<std::size_t>(all + 1) + static_cast<std::size_t>(i)] *
-                              f[t * static_cast<std::size_t>(all) + static_cast<std::size_t>(i)];
+          const double term =
+              au[t * static_cast<std::size_t>(all + 1) + static_cast<std::size_t>(i)] *
+              f[t * static_cast<std::size_t>(all) + static_cast<std::size_t>(i)];
           forward += term;
           scale += std::abs(term);
         }
@@ -266,8 +269,9 @@ TEST(CudaFit, AnUpdateEqualsAFitAnewAndAllocatesNothing) {
     const int before = sources->executor()->allocations();
     for (auto& x : points) x[0] += 0.01 * std::sin(9 * x[1]);
     sources->update(view_of(points));
-    EXPECT_THROW(fit.apply_transpose(fit.values(), {f.data(), f.size()}, {back.data(), back.size()}),
-                 InvalidArgument);
+    EXPECT_THROW(
+        fit.apply_transpose(fit.values(), {f.data(), f.size()}, {back.data(), back.size()}),
+        InvalidArgument);
     fit.update(view_of(targets));
     fit.check();
     fit.apply_transpose(fit.values(), {f.data(), f.size()}, {back.data(), back.size()});

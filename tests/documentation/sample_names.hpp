@@ -6,6 +6,7 @@
 #include <iostream>
 #include <vector>
 
+#include "recon/cuda/reconstruct.hpp"
 #include "recon/grid/grid_moments.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/neighbourhood/kd_tree.hpp"
@@ -55,6 +56,11 @@ void read_my_part(int rank);
 void move_all(std::span<double> x, std::span<const double> velocity);
 #endif
 extern const double h, dt;
+// In the memory of a GPU.
+extern const double *x_p, *x_t, *u_p, *f_t;
+extern double *u_t, *f_p, *grad_u;
+extern const std::size_t particle_count, target_count;
+extern const recon::cuda::Stream stream;
 extern const recon::SpaceMatrix<2> half_edges;  // columns
 
 // One target.
