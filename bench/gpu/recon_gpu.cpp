@@ -191,8 +191,8 @@ Checked check(recon::cuda::Reconstruction<D, T>& fit, const PointVector<D, T>& p
     const auto of_bound = [bound](double difference, double size) {
       return difference == 0 ? 0 : difference / (bound * size);
     };
-    result.of_rounding =
-        std::max({result.of_rounding, of_bound(apart, largest), of_bound(apart_slope, largest_slope)});
+    result.of_rounding = std::max(
+        {result.of_rounding, of_bound(apart, largest), of_bound(apart_slope, largest_slope)});
   }
   return result;
 }
@@ -222,7 +222,8 @@ bool run(const Workload& workload, const Machine& machine, std::ostream& report)
   const std::size_t n = points.size(), m = targets.size();
   OnGpu<T> x(flat(points)), y(flat(targets)), out(m), back(n);
   std::vector<T> field;
-  for (const auto& p : points) field.push_back(static_cast<T>(std::sin(3 * static_cast<double>(p[0]))));
+  for (const auto& p : points)
+    field.push_back(static_cast<T>(std::sin(3 * static_cast<double>(p[0]))));
   OnGpu<T> u(field);
 
   recon::cuda::Sources<D, T> sources({x.data(), n});
@@ -250,24 +251,25 @@ bool run(const Workload& workload, const Machine& machine, std::ostream& report)
   const double each = 1e9 / static_cast<double>(m), all = order + find_and_fit + apply;
   // What must be moved at least: positions in and out of order twice, entries and reports written
   // and read once.
-  const double bytes =
-      static_cast<double>(n) * D * sizeof(T) * 5 + static_cast<double>(m) * D * sizeof(T) * 5 +
-      static_cast<double>(entries) * (3 * 4 + 2 * sizeof(T)) +
-      static_cast<double>(m) * (sizeof(recon::FitReport) * 2 + 3 * sizeof(T));
+  const double bytes = static_cast<double>(n) * D * sizeof(T) * 5 +
+                       static_cast<double>(m) * D * sizeof(T) * 5 +
+                       static_cast<double>(entries) * (3 * 4 + 2 * sizeof(T)) +
+                       static_cast<double>(m) * (sizeof(recon::FitReport) * 2 + 3 * sizeof(T));
   char line[512];
   std::snprintf(line, sizeof line,
                 "| %s | %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.0f %% | %zu |\n",
-                workload.name.c_str(), sizeof(T) == 8 ? "double" : "float", all * each, order * each,
-                find_and_fit * each, apply * each, slopes * each, transpose * each,
+                workload.name.c_str(), sizeof(T) == 8 ? "double" : "float", all * each,
+                order * each, find_and_fit * each, apply * each, slopes * each, transpose * each,
                 100 * bytes / all / machine.bytes_per_second, handed_over);
   report << line;
-  std::snprintf(line, sizeof line,
-                "%-28s %-6s %s: %zu targets compared, other neighbours %zu, other reports %zu, by the "
-                "other solver %zu, numbers within %.3f of what rounding may do, %s\n",
-                workload.name.c_str(), sizeof(T) == 8 ? "double" : "float",
-                checked.good() ? "good" : "NOT GOOD", checked.targets, checked.other_neighbours,
-                checked.other_reports, checked.by_the_other_solver, checked.of_rounding,
-                checked.same_bits ? "the same bits again" : "OTHER BITS in a second run");
+  std::snprintf(
+      line, sizeof line,
+      "%-28s %-6s %s: %zu targets compared, other neighbours %zu, other reports %zu, by the "
+      "other solver %zu, numbers within %.3f of what rounding may do, %s\n",
+      workload.name.c_str(), sizeof(T) == 8 ? "double" : "float",
+      checked.good() ? "good" : "NOT GOOD", checked.targets, checked.other_neighbours,
+      checked.other_reports, checked.by_the_other_solver, checked.of_rounding,
+      checked.same_bits ? "the same bits again" : "OTHER BITS in a second run");
   std::cout << line << std::flush;
   return checked.good();
 }
@@ -295,27 +297,44 @@ int main(int argc, char** argv) {
     };
     const std::integral_constant<int, 2> plane;
     const std::integral_constant<int, 3> space;
-    both(space, {"3-D degree 2 k=20", {.degree = 2, .neighbours = Nearest{20}, .solver = mls}, n, m, 1});
-    both(space, {"3-D degree 1 k=8", {.degree = 1, .neighbours = Nearest{8}, .solver = mls}, n, m, 1});
-    both(plane, {"2-D degree 2 k=12", {.degree = 2, .neighbours = Nearest{12}, .solver = mls}, n, m, 1});
-    both(plane, {"2-D degree 1 k=6", {.degree = 1, .neighbours = Nearest{6}, .solver = mls}, n, m, 1});
+    both(space,
+         {"3-D degree 2 k=20", {.degree = 2, .neighbours = Nearest{20}, .solver = mls}, n, m, 1});
+    both(space,
+         {"3-D degree 1 k=8", {.degree = 1, .neighbours = Nearest{8}, .solver = mls}, n, m, 1});
+    both(plane,
+         {"2-D degree 2 k=12", {.degree = 2, .neighbours = Nearest{12}, .solver = mls}, n, m, 1});
+    both(plane,
+         {"2-D degree 1 k=6", {.degree = 1, .neighbours = Nearest{6}, .solver = mls}, n, m, 1});
     both(space, {"3-D degree 2 k=20, IMLS",
-                 {.degree = 2, .neighbours = Nearest{20}, .solver = imls}, n, m, 1});
+                 {.degree = 2, .neighbours = Nearest{20}, .solver = imls},
+                 n,
+                 m,
+                 1});
     both(space, {"3-D Shepard, a radius",
-                 {.degree = 0, .neighbours = recon::Radius{0.013}, .solver = mls}, n, m, 1});
+                 {.degree = 0, .neighbours = recon::Radius{0.013}, .solver = mls},
+                 n,
+                 m,
+                 1});
     both(space, {"a thin sheet, degree 2 k=20",
-                 {.degree = 2, .neighbours = Nearest{20}, .solver = mls}, 200'000, 100'000, 1e-4});
+                 {.degree = 2, .neighbours = Nearest{20}, .solver = mls},
+                 200'000,
+                 100'000,
+                 1e-4});
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
 
     std::filesystem::create_directories(folder);
     std::ostringstream text;
-    text << "# recon::cuda on " << machine.name << "\n\nNanoseconds a target, the shortest of six runs: "
-         << "from positions on the GPU to values (order the particles, find and fit with all reports, "
+    text << "# recon::cuda on " << machine.name
+         << "\n\nNanoseconds a target, the shortest of six runs: "
+         << "from positions on the GPU to values (order the particles, find and fit with all "
+            "reports, "
          << "apply to one field), its parts, and beside it gradients and a transposed product. A "
-         << "million targets among two million random particles; 100,000 among 200,000 in the sheet. "
+         << "million targets among two million random particles; 100,000 among 200,000 in the "
+            "sheet. "
          << "Bandwidth: what must be moved at least, in the whole time, of "
          << machine.bytes_per_second * 1e-12 << " TB/s. Handed over: to Gram-Schmidt.\n\n"
-         << "| workload | | all | order | find and fit | apply | gradient | transpose | of bandwidth "
+         << "| workload | | all | order | find and fit | apply | gradient | transpose | of "
+            "bandwidth "
          << "| handed over |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
          << table.str() << "\n"
          << (good ? "All checks against the library on the processor were good"

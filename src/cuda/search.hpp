@@ -135,23 +135,30 @@ class Around {
   // Calls see(place, d2) for all within rho, by ascending place. `far` is reach(rho).
   template <class See>
   RECON_DEVICE void within(T rho, T far, const See& see) const {
+    double half[D];
+    for (int d = 0; d < D; ++d) half[d] = static_cast<double>(far);
+    in_box(half, half[0] * half[0], [&](std::uint32_t place, T d2) {
+      if (d2 <= rho * rho) see(place, d2);
+    });
+  }
+  // Calls see(place, d2) for all in the box with these half edges, and some others near it, by
+  // ascending place; rows of cells farther than sqrt(most2) are left out.
+  template <class See>
+  RECON_DEVICE void in_box(const double* half, double most2, const See& see) const {
     const Layout<T>& at = *cloud_.layout;
-    const double half = static_cast<double>(far) * (1 + 4 * eps) + margin_;
-    const double most2 = static_cast<double>(far) * static_cast<double>(far) * (1 + rounding);
     std::int64_t from[max_dimension] = {0, 0, 0}, to[max_dimension] = {0, 0, 0};
     for (int d = 0; d < D; ++d) {
-      from[d] = cell_at(d, static_cast<double>(x_[d]) - half);
-      to[d] = cell_at(d, static_cast<double>(x_[d]) + half);
+      const double wide = half[d] * (1 + 4 * eps) + margin_, x = static_cast<double>(x_[d]);
+      from[d] = cell_at(d, x - wide);
+      to[d] = cell_at(d, x + wide);
     }
     constexpr std::int64_t high = detail::rows_of_a_band;
     for (std::int64_t band = from[1] - from[1] % high; band <= to[1]; band += high)
       for (std::int64_t k = from[2]; k <= to[2]; ++k)
         for (std::int64_t j = most_of(band, from[1]); j <= least_of(band + high - 1, to[1]); ++j) {
-          if (gap2_of_row(j, k) * (1 - rounding) > most2) continue;
+          if (gap2_of_row(j, k) * (1 - rounding) > most2 * (1 + rounding)) continue;
           const std::int64_t row = detail::row_of_cells(at.counts, j, k);
-          stretch(row + from[0], row + to[0], [&](std::uint32_t place, T d2) {
-            if (d2 <= rho * rho) see(place, d2);
-          });
+          stretch(row + from[0], row + to[0], see);
         }
   }
 

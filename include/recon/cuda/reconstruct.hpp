@@ -129,8 +129,7 @@ class Reconstruction {
   // b): the transpose, each sum in a fixed order. The first call takes 16 bytes of memory for each
   // entry; after an update it sorts the entries by columns.
   void apply_transpose(const Field<const T>& in, const Field<T>& out);
-  void apply_transpose(const Operator<D, T>& values, const Field<const T>& in,
-                       const Field<T>& out);
+  void apply_transpose(const Operator<D, T>& values, const Field<const T>& in, const Field<T>& out);
 
  private:
   struct OnDevice;
