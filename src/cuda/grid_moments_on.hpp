@@ -218,17 +218,17 @@ class GridMomentsOn {
     detail::require(field.components == components_, "components of the field", field.components,
                     "must be those of the moments");
     Compiled::with(degree_, [&](auto r) {
-      executor_->for_each(count_, SumMoments<D, decltype(r)::value, T>{
-                                      sources_->view(), sources_->order(), nodes_, field,
-                                      values_.data()});
+      executor_->for_each(
+          count_, SumMoments<D, decltype(r)::value, T>{sources_->view(), sources_->order(), nodes_,
+                                                       field, values_.data()});
     });
   }
 
   // gradients.data null: none.
   void solve(const Field<T>& values, const Field<T>& gradients) {
     values.validate("values", count_);
-    detail::require(values.components == components_, "components of the values",
-                    values.components, "must be those of the moments");
+    detail::require(values.components == components_, "components of the values", values.components,
+                    "must be those of the moments");
     if (gradients.data) {
       gradients.validate("gradients", count_);
       detail::require(gradients.components == D * components_, "components of the gradients",

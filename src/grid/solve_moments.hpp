@@ -44,8 +44,7 @@ constexpr void solve_moments(const Scalar* moments, const Scalar& noise,
   MomentMatrix<Scalar, Basis> matrix(tolerances);
   typename MomentMatrix<Scalar, Basis>::Moments chosen{};
   for (std::size_t a = 0; a < chosen.size(); ++a) chosen[a] = moments[1 + a];
-  const bool safe =
-      (R == 0 || moments[0] >= Scalar(Basis::size)) && matrix.factor(chosen, noise);
+  const bool safe = (R == 0 || moments[0] >= Scalar(Basis::size)) && matrix.factor(chosen, noise);
   if constexpr (R > 0)
     if (!safe) return solve_moments<Scalar, D, R - 1>(moments, noise, tolerances, asked, use);
   FitReport report;

@@ -68,30 +68,33 @@ void expect_the_moments_of_the_library(
       if (std::isnan(own)) continue;
       EXPECT_NEAR(own, expected, bound) << what << ", node " << node;
       for (int d = 0; d < D; ++d)
-        EXPECT_NEAR(gradients[(node * 4 + static_cast<std::size_t>(c)) * D +
-                              static_cast<std::size_t>(d)],
-                    solved.gradients()(row, c * D + d),
-                    bound * std::max(1.0, static_cast<double>(b.gradient_amplification)) /
-                        static_cast<double>(grid.spacing[static_cast<std::size_t>(d)]))
+        EXPECT_NEAR(
+            gradients[(node * 4 + static_cast<std::size_t>(c)) * D + static_cast<std::size_t>(d)],
+            solved.gradients()(row, c * D + d),
+            bound * std::max(1.0, static_cast<double>(b.gradient_amplification)) /
+                static_cast<double>(grid.spacing[static_cast<std::size_t>(d)]))
             << what << ", node " << node;
     }
   }
 }
 
-StructuredGrid<double> grid_2d() { return {2, {-0.3, -0.1, 0}, {0.11, 0.083, 1}, {15, 14, 1}}; }
+StructuredGrid<double> grid_2d() {
+  return {2, {-0.3, -0.1, 0}, {0.11, 0.083, 1}, {15, 14, 1}};
+}
 
 TEST(CudaGrid, MomentsAreThoseOfTheLibrary) {
   expect_the_moments_of_the_library<2, double, 1>(random_points<double, 2>(600, 5), grid_2d(),
                                                   {.degree = 1}, "cubic splines");
-  expect_the_moments_of_the_library<2, double, 1>(
-      random_points<double, 2>(600, 5), grid_2d(),
-      {.degree = 1, .weight = Weight::wendland_c2, .form = WeightForm::radial,
-       .neighbours = Radius{0.2}},
-      "a radius");
+  expect_the_moments_of_the_library<2, double, 1>(random_points<double, 2>(600, 5), grid_2d(),
+                                                  {.degree = 1,
+                                                   .weight = Weight::wendland_c2,
+                                                   .form = WeightForm::radial,
+                                                   .neighbours = Radius{0.2}},
+                                                  "a radius");
   const StructuredGrid<double> grid{3, {0, 0, 0.05}, {0.2, 0.2, 0.18}, {6, 6, 5}};
-  expect_the_moments_of_the_library<3, double, 2>(random_points<double, 3>(800, 6), grid,
-                                                  {.degree = 2, .weight = Weight::quadratic_b_spline},
-                                                  "degree 2");
+  expect_the_moments_of_the_library<3, double, 2>(
+      random_points<double, 3>(800, 6), grid, {.degree = 2, .weight = Weight::quadratic_b_spline},
+      "degree 2");
 }
 
 TEST(CudaGrid, FewAndFlatParticlesLowerTheDegree) {

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <vector>
 
+#include "recon/cuda/grid_moments.hpp"
 #include "recon/cuda/reconstruct.hpp"
 #include "recon/grid/grid_moments.hpp"
 #include "recon/local_solve/local_cloud.hpp"
@@ -41,14 +42,13 @@ extern const recon::PeriodicDomain<double> box;
 extern const recon::Sources sources;
 extern const recon::Reconstruction fit;
 extern const recon::FieldView<double> velocity, stress, density, nodal_force, mass;
-extern const recon::StructuredGrid<double> grid;
+extern const recon::StructuredGrid<double> grid, all_nodes;
 extern const recon::Options options;
 extern const recon::GridMoments others;
 extern const std::vector<double> nodal_density;
 #ifdef SAMPLES_OF_PETSC
 extern int argc;
 extern char** argv;
-extern const recon::StructuredGrid<double> all_nodes;
 extern const recon::petsc::DistributedGrid distributed;
 extern const recon::FieldView<double> target_force;
 extern const std::vector<double> masses;

@@ -34,8 +34,9 @@
 //
 // Memory in 3-D (double): 16 bytes for each neighbour of each target, 150 for each target, and up
 // to 128 MB for those that are fitted by Gram-Schmidt; a thread has memory of its own for 32
-// neighbours, or 96 where rows are longer. Still longer rows are fitted as the unsafe ones are:
-// right, but slowly.
+// neighbours, or 96 where rows are longer, for which the driver sets aside some GB (up to 3, or 11,
+// on a GPU with 132 processors). Still longer rows are fitted as the unsafe ones are: right, but
+// slowly.
 #pragma once
 
 #include <cstdint>
