@@ -196,6 +196,32 @@ TEST(CudaFit, IsThatOfTheLibraryWithPeriodsAndStretch) {
         {.degree = 1, .neighbours = rule, .solver = Solver::moment_matrix}, "periodic", of_sources);
 }
 
+TEST(CudaFit, ParticlesOnTheBorderOfASupportHaveNoWeight) {
+  // Where the memory held other numbers before.
+  const auto lattice = regular_points<double, 2>(11);
+  auto moved = lattice;
+  for (auto& x : moved)
+    for (double& c : x) c = 0.5 + 0.9 * (c - 0.5);
+  const double spacing = lattice[1][0] != lattice[0][0] ? lattice[1][0] - lattice[0][0]
+                                                        : lattice[1][1] - lattice[0][1];
+  const Options options{.degree = 1, .neighbours = Radius{2 * spacing}};
+  const auto sources = host_sources(moved);
+  HostFit<2, double, 1> fit(sources, view_of(moved), options);
+  fit.reserve(121 * 25, 25);
+  fit.update(view_of(moved));
+  sources->update(view_of(lattice));
+  fit.update(view_of(lattice));
+  fit.check();
+  const Reconstruction library(points_of(lattice), points_of(lattice), options);
+  expect_equal_reports(fit, library, "lattice");
+  expect_equal_rows(fit, fit.values(), library.values(), "lattice");
+  std::size_t without = 0;
+  for (std::size_t row = 0; row < lattice.size(); ++row)
+    without += fit.offsets()[row + 1] - fit.offsets()[row] >
+               fit.reports()[fit.target_of()[row]].neighbours;
+  EXPECT_GT(without, 0u);
+}
+
 TEST(CudaFit, ReproducesPolynomialsAndTheirDerivatives) {
   const auto& points = even_cloud<3, double>();
   const auto targets = some_targets<3, double>(50);

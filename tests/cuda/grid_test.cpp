@@ -97,6 +97,15 @@ TEST(CudaGrid, MomentsAreThoseOfTheLibrary) {
       "degree 2");
 }
 
+TEST(CudaGrid, ParticlesOfNegligibleWeightDoNotCount) {
+  const auto grid = grid_2d();
+  std::vector<std::array<double, 2>> points;
+  for (const double off : {0.0, 1e-13, 1e-12, 1e-9, 1e-3})
+    points.push_back(
+        {grid.origin[0] + (7 - off) * grid.spacing[0], grid.origin[1] + 6 * grid.spacing[1]});
+  expect_the_moments_of_the_library<2, double, 1>(points, grid, {.degree = 1}, "a border");
+}
+
 TEST(CudaGrid, FewAndFlatParticlesLowerTheDegree) {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{40}})
     expect_the_moments_of_the_library<2, double, 1>(random_points<double, 2>(count, 7), grid_2d(),
