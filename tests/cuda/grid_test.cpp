@@ -106,6 +106,22 @@ TEST(CudaGrid, ParticlesOfNegligibleWeightDoNotCount) {
   expect_the_moments_of_the_library<2, double, 1>(points, grid, {.degree = 1}, "a border");
 }
 
+TEST(CudaGrid, GradientsAcrossSheetsAreNone) {
+  // Nodes lie within a sheet that is thick enough for a fit and too thin for a slope.
+  const auto grid = grid_2d();
+  auto points = random_points<double, 2>(200, 10);
+  for (auto& x : points) x[1] = grid.origin[1] + 6 * grid.spacing[1] + 5e-5 * std::sin(900 * x[0]);
+  expect_the_moments_of_the_library<2, double, 1>(points, grid, {.degree = 1}, "a sheet");
+  HostMoments<2, double, 1> moments(host_sources(points), grid, 1, {.degree = 1});
+  std::vector<double> u(points.size(), 1.0), values(grid.size());
+  moments.sum({u.data(), u.size()});
+  moments.solve({values.data(), values.size()}, {});
+  int unresolved = 0;
+  for (std::size_t node = 0; node < grid.size(); ++node)
+    unresolved += moments.reports()[node].degree == 1 && moments.reports()[node].gradient_rank == 1;
+  EXPECT_GT(unresolved, 5);
+}
+
 TEST(CudaGrid, FewAndFlatParticlesLowerTheDegree) {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{40}})
     expect_the_moments_of_the_library<2, double, 1>(random_points<double, 2>(count, 7), grid_2d(),
