@@ -15,10 +15,9 @@
 #include <type_traits>
 
 #include "core/dispatch.hpp"
+#include "neighbourhood/cell_index.hpp"
 
 namespace recon::detail {
-
-inline constexpr std::int64_t rows_of_a_band = 8;
 
 // The number that stands for a coordinate in `collect`: floats stand for themselves, doubles are
 // rounded to whole units, of which the longest extent of the particles has units_of_extent.
@@ -38,22 +37,6 @@ struct CellView {
   const Coarse<S>* x[3] = {nullptr, nullptr, nullptr};
   const std::uint32_t* first = nullptr;
 };
-
-// `static`: every instruction set has its own copy.
-static inline std::int64_t cell_on_axis(double x, double lower, double inverse,
-                                        std::int64_t count) {
-  const double at = (x - lower) * inverse, last = static_cast<double>(count - 1);
-  const double positive = at > 0 ? at : 0;
-  return static_cast<std::int64_t>(positive < last ? positive : last);
-}
-
-static inline std::int64_t row_of_cells(const std::int64_t* counts, std::int64_t j,
-                                        std::int64_t k) {
-  const std::int64_t in_band = j % rows_of_a_band, band = j - in_band;
-  const std::int64_t left = counts[1] - band;
-  const std::int64_t height = left < rows_of_a_band ? left : rows_of_a_band;
-  return (band * counts[2] + k * height + in_band) * counts[0];
-}
 
 // The cells from..to along each axis, and of their particles those with lower <= x - centre <=
 // upper.

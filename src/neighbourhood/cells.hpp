@@ -15,9 +15,9 @@
 
 #include "core/counting_sort.hpp"
 #include "neighbourhood/cell_kernel.hpp"
+#include "neighbourhood/cell_size.hpp"
 #include "recon/core/error.hpp"
 #include "recon/core/parallel.hpp"
-#include "recon/neighbourhood/mean_spacing.hpp"
 #include "recon/neighbourhood/neighbour_list.hpp"
 #include "recon/points/point_cloud.hpp"
 
@@ -28,13 +28,9 @@ using CellIndex = std::array<std::int64_t, max_dimension>;  // axes that do not 
 // The edge of cells that hold `particles_per_cell` particles on average over the bounding box.
 template <class Scalar>
 double density_cell_size(const PointCloud<Scalar>& points, double particles_per_cell) {
-  if (points.size() == 0) return 1;
-  const double log_cells = -std::log(particles_per_cell / static_cast<double>(points.size()));
-  const auto size = edge_of_cells(log_cells, points.dimension(), [&](int d) {
+  return size_of_cells(points.size(), points.dimension(), particles_per_cell, [&](int d) {
     return static_cast<double>(points.box().upper[d]) - static_cast<double>(points.box().lower[d]);
   });
-  if (!size) return 1;  // all in one place
-  return std::max(*size, std::numeric_limits<double>::min());
 }
 
 template <class S, int D>
@@ -156,29 +152,19 @@ class Cells {
   }
 
   static constexpr std::size_t padding = 16, points_per_block = 16384;
-  static constexpr double least_cells = 64, most_cells_per_particle = 4, most_cells = 4e9;
 
   // Cells that cover the bounding box; they grow until they are few enough.
   void choose_counts(const PointCloud<S>& cloud) {
+    const auto extent = [&](int d) { return upper(d) - lower(d); };
     double longest = 0;
     for (int d = 0; d < D; ++d) {
       view_.lower[d] = static_cast<double>(cloud.box().lower[d]);
       view_.upper[d] = static_cast<double>(cloud.box().upper[d]);
-      longest = std::max(longest, upper(d) - lower(d));
+      longest = std::max(longest, extent(d));
     }
-    const double most = std::min(
-        most_cells,
-        std::max(least_cells, most_cells_per_particle * static_cast<double>(cloud.size())));
-    size_ = std::max(size_, longest / most);
     if constexpr (!std::is_same_v<S, float>)
       view_.units = std::min(longest > 0 ? units_of_extent / longest : 1, 1e300);
-    for (;; size_ *= 1.25) {
-      double total = 1;
-      for (int d = 0; d < D; ++d) total *= std::floor((upper(d) - lower(d)) / size_) + 1;
-      if (total <= most) break;
-    }
-    for (int d = 0; d < D; ++d)
-      view_.counts[d] = static_cast<std::int64_t>((upper(d) - lower(d)) / size_) + 1;
+    size_ = cover_with_cells(size_, cloud.size(), D, extent, view_.counts);
   }
 
   double size_ = 1, mean_company_ = 0;

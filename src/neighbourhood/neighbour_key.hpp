@@ -13,17 +13,17 @@ template <bool periodic>
 struct NeighbourKey {
   using Key = std::conditional_t<periodic, std::uint64_t, std::uint32_t>;
 
-  static Key of(ParticleIndex index, const ImageShift& shift) {
+  static constexpr Key of(ParticleIndex index, const ImageShift& shift) {
     if constexpr (!periodic) return index;
     Key key = index;
     for (const std::int8_t s : shift) key = key << 8 | static_cast<std::uint32_t>(s + 128);
     return key;
   }
-  static ParticleIndex index(Key key) {
+  static constexpr ParticleIndex index(Key key) {
     if constexpr (periodic) return static_cast<ParticleIndex>(key >> 24);
     return static_cast<ParticleIndex>(key);
   }
-  static ImageShift shift(Key key) {
+  static constexpr ImageShift shift(Key key) {
     ImageShift shift{};
     for (int d = 0; d < max_dimension; ++d)
       shift[d] = static_cast<std::int8_t>(static_cast<int>(key >> (16 - 8 * d) & 0xFF) - 128);

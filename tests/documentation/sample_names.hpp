@@ -6,6 +6,8 @@
 #include <iostream>
 #include <vector>
 
+#include "recon/cuda/grid_moments.hpp"
+#include "recon/cuda/reconstruct.hpp"
 #include "recon/grid/grid_moments.hpp"
 #include "recon/local_solve/local_cloud.hpp"
 #include "recon/neighbourhood/kd_tree.hpp"
@@ -40,14 +42,13 @@ extern const recon::PeriodicDomain<double> box;
 extern const recon::Sources sources;
 extern const recon::Reconstruction fit;
 extern const recon::FieldView<double> velocity, stress, density, nodal_force, mass;
-extern const recon::StructuredGrid<double> grid;
+extern const recon::StructuredGrid<double> grid, all_nodes;
 extern const recon::Options options;
 extern const recon::GridMoments others;
 extern const std::vector<double> nodal_density;
 #ifdef SAMPLES_OF_PETSC
 extern int argc;
 extern char** argv;
-extern const recon::StructuredGrid<double> all_nodes;
 extern const recon::petsc::DistributedGrid distributed;
 extern const recon::FieldView<double> target_force;
 extern const std::vector<double> masses;
@@ -55,6 +56,11 @@ void read_my_part(int rank);
 void move_all(std::span<double> x, std::span<const double> velocity);
 #endif
 extern const double h, dt;
+// In the memory of a GPU.
+extern const double *x_p, *x_t, *u_p, *f_t;
+extern double *u_t, *f_p, *grad_u;
+extern const std::size_t particle_count, target_count;
+extern const recon::cuda::Stream stream;
 extern const recon::SpaceMatrix<2> half_edges;  // columns
 
 // One target.

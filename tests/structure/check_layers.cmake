@@ -12,7 +12,7 @@
 # The method, mpm/, knows neither files nor formulas nor what reads them.
 cmake_minimum_required(VERSION 3.22)
 
-set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer petsc mpm fields io runs studies
+set(rooms core points neighbourhood weights basis local_solve shape operators grid transfer cuda petsc mpm fields io runs studies
   ranks bindings c python)
 set(last_of_recon transfer)
 set(headers_about_boost include/recon/points/boost_geometry.hpp)
@@ -67,6 +67,10 @@ foreach(file IN LISTS files)
     if(NOT room MATCHES "^(petsc|ranks|programs)$" AND
        included MATCHES "^(mpi\\.h|petsc[a-z]*\\.h|recon/petsc/|petsc/|recon/ranks/|ranks/)")
       complain("only petsc/ and ranks/ include this: recon can be built without it")
+      continue()
+    endif()
+    if(NOT room MATCHES "^(cuda|programs)$" AND included MATCHES "^(cuda[a-z_]*\\.h|cub/|thrust/|recon/cuda/|cuda/)")
+      complain("only cuda/ includes this: recon can be built without it")
       continue()
     endif()
     if(room STREQUAL "mpm" AND included MATCHES "^(filesystem|fstream|iostream|boost/|hdf5|muParser|toml)")

@@ -1,0 +1,3 @@
+#include "cuda/public.cuh"
+
+RECON_CUDA_INSTANTIATE(1, float)
