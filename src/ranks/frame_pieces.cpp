@@ -92,7 +92,7 @@ template <int D>
 class Brought {
  public:
   Brought(const FieldSet& fields, const Lattice<D>& have, const std::vector<char>& known,
-          const std::vector<Lattice<D>>& pieces, int rank, Messages<D>& messages) {
+          const std::vector<Lattice<D>>& pieces, Votes& votes, Messages<D>& messages) {
     std::vector<std::vector<double>> out(pieces.size());
     std::size_t width = 1;
     for (const NamedField& field : fields) width += static_cast<std::size_t>(field.components);
@@ -106,10 +106,11 @@ class Brought {
           for (std::size_t c = 0; c < each; ++c) out[r].push_back(field.values[here * each + c]);
         }
       });
-    const std::size_t count = pieces[static_cast<std::size_t>(rank)].size();
+    const std::size_t count = pieces[static_cast<std::size_t>(votes.ranks().rank())].size();
     told_.assign(count, 0);
     for (const NamedField& field : fields)
       values_.emplace_back(count * static_cast<std::size_t>(field.components), nothing(field.name));
+    votes.vote();
     for (const std::vector<double>& rows : messages.send(out))
       for (auto row = rows.begin(); row != rows.end(); row += static_cast<std::ptrdiff_t>(width)) {
         const auto point = static_cast<std::size_t>(*row);
@@ -231,16 +232,14 @@ void write_frame_pieces(const std::filesystem::path& folder, const std::string& 
     of_nodes.push_back(Lattice<D>::of_nodes(window));
     of_cells.push_back(Lattice<D>::of_cells(window, grid, true));
   }
-  votes.vote();
-  Brought<D> at_nodes(here, Lattice<D>::of_nodes(nodes.window), seen_nodes(view), of_nodes, rank,
+  Brought<D> at_nodes(here, Lattice<D>::of_nodes(nodes.window), seen_nodes(view), of_nodes, votes,
                       messages);
   if (of_nodes[mine].size() > 0) hold(view, windows[mine], at_nodes);
   const FieldSet node_fields = std::move(at_nodes).fields();
   FieldSet cell_fields;
   if (with_cells) {
-    votes.vote();
     cell_fields = Brought<D>(here_in_cells, Lattice<D>::of_cells(nodes.window, grid, false),
-                             filled_cells(view), of_cells, rank, messages)
+                             filled_cells(view), of_cells, votes, messages)
                       .fields();
   }
   const std::vector<double> counts = view.of_all({static_cast<double>(view.state().own())});
