@@ -33,6 +33,11 @@ void Step<D>::to_nodes(State<D>& s) {
 }
 
 template <int D>
+void Step<D>::to_particles(State<D>& s, double dt) {
+  policies_->update->move(*this, s, dt);  // 3  v_p, x_p, L_p; F, stress, history
+}  // 4  the grid is forgotten
+
+template <int D>
 void Step<D>::see(const Window<D>& window) {
   if (nodes_.grid.size() > 0 && nodes_.window == window) return;
   const Grid<D> grid_before = nodes_.grid;
@@ -49,11 +54,6 @@ void Step<D>::see(const Window<D>& window) {
       signs[*here] = signs_.of_nodes[i];
   signs_.of_nodes = std::move(signs);
 }
-
-template <int D>
-void Step<D>::to_particles(State<D>& s, double dt) {
-  policies_->update->move(*this, s, dt);  // 3  v_p, x_p, L_p; F, stress, history
-}  // 4  the grid is forgotten
 
 template <int D>
 Step<D>::Step(Problem<D> problem, std::size_t particles, OtherParts<D>* parts) : parts_(parts) {
