@@ -1,6 +1,6 @@
 // VTK XML files (VTK File Formats, "XML File Formats"): PolyData, UnstructuredGrid, StructuredGrid
-// and ImageData in one or more pieces, the first two also in several files (.pvtp, .pvtu); arrays as text, in base64, or appended, raw or in base64,
-// plain or compressed by zlib.
+// and ImageData in one or more pieces, the first two also in several files (.pvtp, .pvtu); arrays as
+// text, in base64, or appended, raw or in base64, plain or compressed by zlib.
 //
 // A plain array is its length in bytes and then the numbers; a compressed one is the number of
 // blocks, their size before compression, that of the last one if it is smaller (else 0), the
@@ -426,6 +426,11 @@ class XmlReader {
     return nodes;
   }
 
+  void require_room(const Piece& piece, std::uint64_t points) const {
+    if (points + out_.points.size() / 3 >= std::numeric_limits<std::uint32_t>::max() - 1)
+      fail(piece.tag.begin, "more points than a table of particles can number, 2^32 - 2");
+  }
+
   // Of points, each of which is in one of the files.
   bool has_other_files() const { return kind_ == "PPolyData" || kind_ == "PUnstructuredGrid"; }
 
@@ -440,9 +445,7 @@ class XmlReader {
       fail(piece.tag.begin, "names a piece that cannot be read: " + std::string(error.what()));
     }
     VtkPoints more = XmlReader(bytes, path, {}).read();
-    if (more.points.size() / 3 + out_.points.size() / 3 >=
-        std::numeric_limits<std::uint32_t>::max() - 1)
-      fail(piece.tag.begin, "more points than a table of particles can number, 2^32 - 2");
+    require_room(piece, more.points.size() / 3);
     const bool first = &piece == &pieces_.front();
     if (first) out_.remarks = std::move(more.remarks);
     if (!out_.step) out_.step = more.step;
@@ -455,8 +458,7 @@ class XmlReader {
     const bool by_extent = kind_ == "ImageData" || kind_ == "StructuredGrid";
     const std::uint64_t points =
         by_extent ? nodes_of(piece.tag) : whole_number(piece.tag, "NumberOfPoints", 0);
-    if (points + out_.points.size() / 3 >= std::numeric_limits<std::uint32_t>::max() - 1)
-      fail(piece.tag.begin, "more points than a table of particles can number, 2^32 - 2");
+    require_room(piece, points);
     std::vector<ReadArray> arrays;
     for (const Array& array : piece.point_data) {
       const std::string name = recon::to_utf8(array.tag["Name"]);

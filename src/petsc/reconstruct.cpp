@@ -149,6 +149,35 @@ struct Brought {
   }
 };
 
+// A field at all particles that a rank works with, and with Limit::relaxed the bounds of all ranks'
+// data. Collective.
+struct BroughtField {
+  std::vector<double> all;
+  std::vector<DataBounds> bounds;
+
+  BroughtField(const Halo& halo, const FieldView<double>& field, Limit limit) {
+    std::vector<double> own;
+    halo.ranks().together(
+        [&] {
+          detail::require_limit(limit);
+          require(field.size() == halo.own(), "values of the field", field.size(),
+                  "must be one for each particle of this rank");
+          own = rows_of(field, "particle");
+        },
+        "components of the field, or limit",
+        {static_cast<double>(field.components()), static_cast<double>(limit)});
+    const auto width = static_cast<std::size_t>(field.components());
+    for (std::size_t c = 0; c < width && limit == Limit::relaxed; ++c) {
+      detail::DataRange<double> range;
+      for (std::size_t at = c; at < own.size(); at += width) range.add(own[at]);
+      const double least = -halo.ranks().largest(-range.least);
+      const double greatest = halo.ranks().largest(range.greatest);
+      if (least <= greatest) bounds.push_back({least, greatest});  // else no rank has particles
+    }
+    all = halo.spread(own, field.components());
+  }
+};
+
 // Whether there are as many particles as a target may ask for, or all there are.
 bool can_suffice(const Halo& halo, const Options& options) {
   const auto* nearest = std::get_if<Nearest>(&*options.neighbours);
@@ -251,48 +280,15 @@ int Reconstruction::halo_rounds() const {
   return halo_->rounds;
 }
 
-namespace {
-
-// The data of the particles of this rank, and where it wants them limited the bounds of all ranks',
-// are brought to all that a rank works with. Collective.
-struct Data {
-  std::vector<double> all;
-  std::vector<DataBounds> bounds;
-
-  Data(const Halo& halo, const FieldView<double>& field, Limit limit) {
-    std::vector<double> own;
-    halo.ranks().together(
-        [&] {
-          detail::require_limit(limit);
-          require(field.size() == halo.own(), "values of the field", field.size(),
-                  "must be one for each particle of this rank");
-          own = rows_of(field, "particle");
-        },
-        "components of the field, or limit",
-        {static_cast<double>(field.components()), static_cast<double>(limit)});
-    const auto width = static_cast<std::size_t>(field.components());
-    for (std::size_t c = 0; c < width && limit == Limit::relaxed; ++c) {
-      detail::DataRange<double> range;
-      for (std::size_t at = c; at < own.size(); at += width) range.add(own[at]);
-      const double least = -halo.ranks().largest(-range.least);
-      const double greatest = halo.ranks().largest(range.greatest);
-      if (least <= greatest) bounds.push_back({least, greatest});  // else no rank has particles
-    }
-    all = halo.spread(own, field.components());
-  }
-};
-
-}  // namespace
-
 Matrix Operator::apply(const FieldView<double>& field) const {
-  const Data data(*halo_, field, Limit::none);
+  const BroughtField data(*halo_, field, Limit::none);
   Matrix out;
   halo_->ranks().together([&] { out = local_.apply(view_of(data.all, field.components())); });
   return out;
 }
 
 Matrix Reconstruction::apply(const FieldView<double>& field, const Apply& how) const {
-  const Data data(*halo_, field, how.limit);
+  const BroughtField data(*halo_, field, how.limit);
   Matrix out;
   halo_->ranks().together([&] {
     Apply local = how;

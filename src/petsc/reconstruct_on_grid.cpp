@@ -113,7 +113,7 @@ namespace {
 
 // From the particles that the nodes of a rank see, as reconstruct() has it.
 GridReconstruction by_halos(const PointsView<double>& points,
-                            const std::vector<FieldView<double>>& fields,
+                            const std::vector<FieldView<double>>& fields, int components,
                             const DistributedGrid& grid, const Options& options,
                             const GridApply& apply) {
   Options all = options.for_grid(grid.all());
@@ -121,8 +121,6 @@ GridReconstruction by_halos(const PointsView<double>& points,
   const auto nodes = grid.owned().nodes();
   const Reconstruction fit(grid.communicator().get(), points, nodes.view(), all);
   const int dimension = grid.all().dimension;
-  int components = 0;
-  for (const FieldView<double>& field : fields) components += field.components();
   const auto rows = static_cast<Eigen::Index>(grid.owned().size());
   GridReconstruction::Matrix values(rows, components);
   GridReconstruction::Matrix gradients(apply.gradients ? rows : 0,
@@ -170,7 +168,7 @@ GridReconstruction reconstruct_on_grid(const PointsView<double>& points,
       "degree, components of the fields, or whether moments are enough",
       {static_cast<double>(options.degree), static_cast<double>(components),
        static_cast<double>(fields.size()), static_cast<double>(halos)});
-  if (halos) return by_halos(points, fields, grid, options, apply);
+  if (halos) return by_halos(points, fields, components, grid, options, apply);
   const std::vector<double> sums = grid.sum(moments->values(), moments->per_node());
   moments.reset();
   GridReconstruction fit;

@@ -52,14 +52,20 @@ bool Messages<D>::Arrived::any() const {
 }
 
 template <int D>
-auto Messages<D>::send(const Lists& lists, const Particles<D>& particles,
-                       const std::vector<std::uint32_t>& numbers) -> Arrived {
+template <class T>
+std::vector<std::size_t> Messages<D>::counts_for_here(const std::vector<std::vector<T>>& out) {
   std::vector<std::int64_t> mine(size_), others(size_);
-  for (std::size_t r = 0; r < size_; ++r) mine[r] = static_cast<std::int64_t>(lists[r].size());
+  for (std::size_t r = 0; r < size_; ++r) mine[r] = static_cast<std::int64_t>(out[r].size());
   RECON_MPI(MPI_Alltoall(mine.data(), 1, MPI_INT64_T, others.data(), 1, MPI_INT64_T,
                          votes_->ranks().get()));
   ++votes_->rounds;
-  Arrived arrived{{others.begin(), others.end()}, std::vector<Bytes>(size_)};
+  return {others.begin(), others.end()};
+}
+
+template <int D>
+auto Messages<D>::send(const Lists& lists, const Particles<D>& particles,
+                       const std::vector<std::uint32_t>& numbers) -> Arrived {
+  Arrived arrived{counts_for_here(lists), std::vector<Bytes>(size_)};
   std::vector<Bytes> out(size_);
   for (std::size_t r = 0; r < size_; ++r) {
     arrived.bytes[r].resize(bytes_of(arrived.counts[r], false));
@@ -74,20 +80,16 @@ auto Messages<D>::send(const Lists& lists, const Particles<D>& particles,
 template <int D>
 std::vector<std::vector<double>> Messages<D>::send(
     const std::vector<std::vector<double>>& numbers) {
-  std::vector<std::int64_t> mine(size_), others(size_);
-  for (std::size_t r = 0; r < size_; ++r) mine[r] = static_cast<std::int64_t>(numbers[r].size());
-  RECON_MPI(MPI_Alltoall(mine.data(), 1, MPI_INT64_T, others.data(), 1, MPI_INT64_T,
-                         votes_->ranks().get()));
-  ++votes_->rounds;
+  const std::vector<std::size_t> counts = counts_for_here(numbers);
   std::vector<Bytes> out(size_), in(size_);
   for (std::size_t r = 0; r < size_; ++r) {
     put(numbers[r], out[r]);
-    in[r].resize(static_cast<std::size_t>(others[r]) * sizeof(double));
+    in[r].resize(counts[r] * sizeof(double));
   }
   exchange(out, in);
   std::vector<std::vector<double>> arrived(size_);
   for (std::size_t r = 0; r < size_; ++r) {
-    arrived[r].resize(static_cast<std::size_t>(others[r]));
+    arrived[r].resize(counts[r]);
     const std::byte* read = in[r].data();
     take(read, arrived[r].size(), 0, arrived[r]);
   }

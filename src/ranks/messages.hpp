@@ -48,6 +48,9 @@ class Messages {
   std::int64_t messages = 0, bytes = 0;
 
  private:
+  // How many each rank has for this one, of what goes to each.
+  template <class T>
+  std::vector<std::size_t> counts_for_here(const std::vector<std::vector<T>>& out);
   std::size_t bytes_of(std::size_t count, bool changing) const;
   void pack(const Particles<D>& particles, bool changing, Bytes& to) const;
   void exchange(const std::vector<Bytes>& out, std::vector<Bytes>& in);

@@ -10,6 +10,13 @@
 namespace recon::mpm {
 namespace {
 
+// a.vtp of a.pvtp, and the way back.
+std::filesystem::path other_form(std::filesystem::path file) {
+  const std::string extension = file.extension().string();
+  const bool pieces = extension.starts_with(".p");
+  return file.replace_extension(pieces ? "." + extension.substr(2) : ".p" + extension.substr(1));
+}
+
 FieldSet fields_at(double time, std::int64_t step) {
   FieldSet fields;
   fields.time = time;
@@ -68,17 +75,6 @@ std::string frame_file(const std::string& name, const char* kind, std::size_t nu
   std::snprintf(digits, sizeof digits, "_%04zu", number);
   return name + "_" + kind + digits + (piece < 0 ? "" : "_" + std::to_string(piece)) + extension;
 }
-
-namespace {
-
-// a.vtp of a.pvtp, and the way back.
-std::filesystem::path other_form(std::filesystem::path file) {
-  const std::string extension = file.extension().string();
-  const bool pieces = extension.starts_with(".p");
-  return file.replace_extension(pieces ? "." + extension.substr(2) : ".p" + extension.substr(1));
-}
-
-}  // namespace
 
 void remove_other_frame(const std::filesystem::path& file) {
   std::error_code ignored;

@@ -49,9 +49,9 @@ class OtherParts {
 template <int D>
 double reach_of_copies(const Problem<D>& problem, double widest);
 // What a part of a state has of the grid of the problem: the cells that its particles, copies and
-// images give to, and four more to each side, as far as the grid goes, so that the borders change nothing
-// that the part's own particles see. It depends on the state alone. On a periodic axis a part with
-// particles at one end has images at the other one, and so the whole axis.
+// images give to, and four more to each side, as far as the grid goes, so that the borders change
+// nothing that the part's own particles see. It depends on the state alone. On a periodic axis a
+// part with particles at one end has images at the other one, and so the whole axis.
 template <int D>
 Window<D> seen_by(const Problem<D>& problem, const State<D>& s, const ImageParticles<D>& images);
 
