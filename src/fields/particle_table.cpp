@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <sstream>
 
 #include "recon/core/names.hpp"
@@ -190,7 +191,8 @@ void ParticleTable::require_finite(const Column& column) const {
 }
 
 std::string ParticleTable::describe_row(std::size_t row) const {
-  std::string text = "row " + std::to_string(row), known;
+  std::string text = "row " + std::to_string(row < source_rows_.size() ? source_rows_[row] : row);
+  std::string known;
   const auto id = columns_by_name_.find("id");
   if (id != columns_by_name_.end() && row < size()) {
     const double number = columns_[id->second].values[row];
@@ -222,6 +224,12 @@ void ParticleTable::keep_rows(const std::vector<bool>& kept) {
     for (std::uint32_t& row : column.missing) row = new_rows[row];
   }
   keep(lines_);
+  const bool all = std::find(kept.begin(), kept.end(), false) == kept.end();
+  if (source_rows_.empty() && !all) {
+    source_rows_.resize(kept.size());
+    std::iota(source_rows_.begin(), source_rows_.end(), std::size_t{0});
+  }
+  keep(source_rows_);
   update_names();
 }
 
@@ -480,6 +488,12 @@ void ParticleTable::set_lines(std::vector<std::size_t> lines) {
   require(lines.empty() || lines.size() == size(), "number of line numbers", lines.size(),
           "must be one per row");
   lines_ = std::move(lines);
+}
+
+void ParticleTable::set_source_rows(std::vector<std::size_t> rows) {
+  require(rows.size() == size(), "number of rows of the source", rows.size(),
+          "must be one per row");
+  source_rows_ = std::move(rows);
 }
 
 }  // namespace recon

@@ -211,7 +211,12 @@ struct FrameReader::State {
       } catch (const InvalidArgument& error) {  // a box or columns that no table can have
         throw FileError(path, source->info().line, error.what());
       }
-      if (!text && options.parts > 1) {
+      if (text && options.parts > 1) {
+        std::vector<std::size_t> rows;
+        for (std::size_t row = 0; rows.size() < table->size(); ++row)
+          if (options.takes(row)) rows.push_back(row);
+        table->set_source_rows(std::move(rows));
+      } else if (options.parts > 1) {
         std::vector<bool> taken(table->size());
         for (std::size_t row = 0; row < taken.size(); ++row) taken[row] = options.takes(row);
         table->keep_rows(taken);

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "formats.hpp"
 #include "recon/fields/utf8.hpp"
@@ -157,6 +158,7 @@ class XmlReader {
       if (tag.name == "Piece" && parent == kind_) pieces_.push_back({tag, {}, {}});
       if (tag.name == kind_ && kind_ == "ImageData") image_ = tag;
       if (tag.name == "DataArray" || tag.name == "Array") read_array_tag(tag, parent);
+      if (tag.name == "PDataArray" && parent == "PPointData") promised_.push_back({tag});
       if (tag.name == "Array" || tag.name == "DataArray") {
         if (!tag.empty && !skip_text(tag.name)) fail(tag.begin, "<" + tag.name + "> does not end");
         continue;
@@ -446,12 +448,39 @@ class XmlReader {
     }
     VtkPoints more = XmlReader(bytes, path, {}).read();
     require_room(piece, more.points.size() / 3);
+    require_new(piece, path);
+    require_same(piece, "step", more.step, out_.step);
+    require_same(piece, "time", more.time, out_.time);
+    if (!more.points.empty())
+      for (const Array& array : promised_) require_array(piece, array, more.arrays);
     const bool first = &piece == &pieces_.front();
     if (first) out_.remarks = std::move(more.remarks);
-    if (!out_.step) out_.step = more.step;
-    if (!out_.time) out_.time = more.time;
     append(more.points);
     join(piece, std::move(more.arrays), more.points.empty());
+  }
+  // No file is a piece twice.
+  void require_new(const Piece& piece, const std::filesystem::path& path) {
+    if (!files_.insert(path.lexically_normal()).second)
+      fail(piece.tag.begin, "names the piece " + quote(piece.tag["Source"]) + " again");
+  }
+  // All pieces are of one time and step, where they say which.
+  template <class Number>
+  void require_same(const Piece& piece, const char* what, const std::optional<Number>& its,
+                    std::optional<Number>& of_all) const {
+    if (!of_all) of_all = its;
+    if (its && *its != *of_all)
+      fail(piece.tag.begin, std::string("the piece is of the ") + what + " " + to_text(*its) +
+                                ", and what was read before it of " + to_text(*of_all));
+  }
+  void require_array(const Piece& piece, const Array& promised,
+                     const std::vector<ReadArray>& arrays) const {
+    if (promised.tag["type"] == "String") return;
+    const std::string name = recon::to_utf8(promised.tag["Name"]);
+    const auto components = static_cast<int>(components_of(promised));
+    for (const ReadArray& each : arrays)
+      if (each.name == name && each.components == components) return;
+    fail(piece.tag.begin, "the piece has no array " + quote(name) + " of " +
+                              std::to_string(components) + " components, which PPointData names");
   }
 
   void add(const Piece& piece) {
@@ -513,6 +542,8 @@ class XmlReader {
   Element image_;
   std::vector<Array> field_data_;
   std::vector<Piece> pieces_;
+  std::vector<Array> promised_;            // of the pieces in other files
+  std::set<std::filesystem::path> files_;  // that have been read
   VtkPoints out_;
 };
 

@@ -1,5 +1,7 @@
 #include "recon/petsc/communicator.hpp"
 
+#include <signal.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -100,6 +102,32 @@ bool petsc_is_there() {
   return begun && !ended;
 }
 
+namespace {
+
+// The handlers of signals, which are put back at the end: PETSc sets its own, and leaves none when it
+// takes them away.
+class SignalHandlers {
+ public:
+  SignalHandlers() {
+    for (int signal = 1; signal < count; ++signal)
+      known_[at(signal)] = sigaction(signal, nullptr, &handlers_[at(signal)]) == 0;
+  }
+  ~SignalHandlers() {
+    for (int signal = 1; signal < count; ++signal)
+      if (known_[at(signal)]) sigaction(signal, &handlers_[at(signal)], nullptr);
+  }
+  SignalHandlers(const SignalHandlers&) = delete;
+  SignalHandlers& operator=(const SignalHandlers&) = delete;
+
+ private:
+  static constexpr int count = 32;  // those that POSIX names
+  static std::size_t at(int signal) { return static_cast<std::size_t>(signal); }
+  std::array<struct sigaction, count> handlers_{};
+  std::array<bool, count> known_{};
+};
+
+}  // namespace
+
 Session::Session(int argc, char** argv) {
   if (petsc_is_there()) return;
   // PETSc reads no command line here: it would take a program's own options for unknown ones.
@@ -108,6 +136,7 @@ Session::Session(int argc, char** argv) {
   if (argc > 0) no_arguments[0] = argv[0];
   int count = 1;
   char** arguments = no_arguments.data();
+  const SignalHandlers before;
   const PetscErrorCode code = PetscInitialize(&count, &arguments, nullptr, nullptr);
   if (code) throw Error("PetscInitialize", static_cast<int>(code), "PETSc has not begun");
   finalizes_ = true;

@@ -272,9 +272,6 @@ void write_frame_pieces(const std::filesystem::path& folder, const std::string& 
     };
     name_pieces("nodes", grid.nodes(), of_nodes, node_fields);
     if (with_cells) name_pieces("cells", cell_centres(grid.nodes()), of_cells, cell_fields);
-    remove_other_frame(folder / file("particles", ".pvtp"));
-    remove_other_frame(folder / file("nodes", ".pvti"));
-    if (with_cells) remove_other_frame(folder / file("cells", ".pvti"));
   }
   times.push_back(time);
   if (rank != 0) return;

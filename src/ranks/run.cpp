@@ -33,8 +33,22 @@ class Fingerprint {
   std::uint64_t value_ = 14695981039346656037u;
 };
 
+// Throws InvalidArgument where a number is not the same on all ranks.
+void require_same(Votes& votes, double number, const char* argument) {
+  const double most = votes.vote(number), least = -votes.vote(-number);
+  recon::detail::require(most == least, argument, "different on some ranks",
+                         "must be the same on all ranks");
+}
+
 template <int D>
 void require_same(Votes& votes, const ProblemFile<D>& file, const RunOptions& options) {
+  const auto require_path = [&](const std::filesystem::path& path, const char* argument) {
+    Fingerprint print;
+    print.add(path.string());
+    require_same(votes, print.number(), argument);
+  };
+  require_path(options.folder, "folder");
+  require_path(options.restart, "restart");
   Fingerprint print;
   const Problem<D>& problem = file.problem;
   print.add(to_text(identity_of(problem, problem.particles, file.formulas)));
@@ -50,10 +64,7 @@ void require_same(Votes& votes, const ProblemFile<D>& file, const RunOptions& op
         static_cast<double>(file.output.probe_every)})
     print.add(each);
   print.add(probes_header(file.probes));
-  for (const auto& path : {options.folder, options.restart}) print.add(path.string());
-  const double mine = print.number(), most = votes.vote(mine), least = -votes.vote(-mine);
-  recon::detail::require(most == least, "problem", "different on some ranks",
-                         "must be the same on all ranks");
+  require_same(votes, print.number(), "problem");
 }
 
 int ranks_of_this_machine(const petsc::Communicator& ranks) {

@@ -23,10 +23,16 @@ FieldSet cell_frame(const View<D>& view);
 // NAME_kind_0007.ext, or of one of several pieces NAME_kind_0007_2.ext.
 std::string frame_file(const std::string& name, const char* kind, std::size_t number,
                        const char* extension, int piece = -1);
-// Removes the file of this frame that a run with more or fewer processes has left: in pieces or not.
-void remove_other_frame(const std::filesystem::path& file);
-// NAME_kind.pvd of all frames at these times from number `first` on. Those of a run before a restart
-// may be in pieces where the others are not.
+// The files of frames of this name in a folder, pieces too, from number `first` on.
+std::vector<std::filesystem::path> frames_in(const std::filesystem::path& folder,
+                                             const std::string& name, std::size_t first);
+// Makes a folder that of a run which has written the frames at these times, the first ones of them
+// elsewhere: what another run has left of later ones, in whatever form, is removed, and lists that are
+// there name no others. Throws FileError for a file that cannot be removed.
+void begin_frames(const std::filesystem::path& folder, const std::string& name,
+                  const std::vector<double>& times, std::size_t first_listed);
+// NAME_kind.pvd of the frames at these times from number `first` on that are in the folder. Those of a
+// run before a restart may be in pieces where the others are not, or in another folder.
 void write_frame_list(const std::filesystem::path& folder, const std::string& name,
                       const char* kind, const char* extension, const std::vector<double>& times,
                       std::size_t first);

@@ -1,6 +1,9 @@
 #include "recon/runs/frames.hpp"
 
+#include <charconv>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
 #include "recon/core/names.hpp"
 #include "recon/io/write.hpp"
@@ -15,6 +18,20 @@ std::filesystem::path other_form(std::filesystem::path file) {
   const std::string extension = file.extension().string();
   const bool pieces = extension.starts_with(".p");
   return file.replace_extension(pieces ? "." + extension.substr(2) : ".p" + extension.substr(1));
+}
+
+constexpr std::pair<const char*, const char*> kinds[] = {
+    {"particles", ".vtp"}, {"nodes", ".vti"}, {"cells", ".vti"}};
+
+std::filesystem::path frame_list(const std::filesystem::path& folder, const std::string& name,
+                                 const char* kind) {
+  return folder / (name + "_" + kind + ".pvd");
+}
+
+void remove_file(const std::filesystem::path& file) {
+  std::error_code error;
+  std::filesystem::remove(file, error);
+  if (error) throw FileError(file, 0, "cannot be removed: " + error.message());
 }
 
 FieldSet fields_at(double time, std::int64_t step) {
@@ -76,24 +93,58 @@ std::string frame_file(const std::string& name, const char* kind, std::size_t nu
   return name + "_" + kind + digits + (piece < 0 ? "" : "_" + std::to_string(piece)) + extension;
 }
 
-void remove_other_frame(const std::filesystem::path& file) {
-  std::error_code ignored;
-  std::filesystem::remove(other_form(file), ignored);
-}
-
 void write_frame_list(const std::filesystem::path& folder, const std::string& name,
                       const char* kind, const char* extension, const std::vector<double>& times,
                       std::size_t first) {
   std::vector<TimedFile> files;
   for (std::size_t i = first; i < times.size(); ++i) {
-    std::filesystem::path file = frame_file(name, kind, i, extension);
+    const std::filesystem::path file = frame_file(name, kind, i, extension);
     std::error_code none;
-    if (!std::filesystem::exists(folder / file, none) &&
-        std::filesystem::exists(folder / other_form(file), none))
-      file = other_form(file);
-    files.push_back({times[i], file});
+    for (const auto& form : {file, other_form(file)}) {
+      if (!std::filesystem::exists(folder / form, none)) continue;
+      files.push_back({times[i], form});
+      break;
+    }
   }
-  write_pvd(folder / (name + "_" + kind + ".pvd"), files);
+  write_pvd(frame_list(folder, name, kind), files);
+}
+
+std::vector<std::filesystem::path> frames_in(const std::filesystem::path& folder,
+                                             const std::string& name, std::size_t first) {
+  std::vector<std::filesystem::path> found;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string file = entry.path().filename().string();
+    for (const auto& [kind, extension] : kinds) {
+      const std::string begin = name + "_" + kind + "_";
+      if (!file.starts_with(begin)) continue;
+      // NUMBER, or NUMBER_PIECE, and one of two extensions.
+      const char* const end = file.data() + file.size();
+      std::size_t number = 0, piece = 0;
+      auto read = std::from_chars(file.data() + begin.size(), end, number);
+      if (read.ec != std::errc()) continue;
+      if (read.ptr != end && *read.ptr == '_') read = std::from_chars(read.ptr + 1, end, piece);
+      const std::string_view rest(read.ptr, end);
+      const bool whole = rest == extension || rest == ".p" + std::string(extension + 1);
+      if (read.ec == std::errc() && whole && number >= first) found.push_back(entry.path());
+    }
+  }
+  return found;
+}
+
+void begin_frames(const std::filesystem::path& folder, const std::string& name,
+                  const std::vector<double>& times, std::size_t first_listed) {
+  const bool any = times.size() > first_listed;
+  for (const auto& file : frames_in(folder, name, any ? times.size() : 0)) remove_file(file);
+  for (const auto& [kind, extension] : kinds) {
+    const std::filesystem::path list = frame_list(folder, name, kind);
+    std::error_code none;
+    if (!std::filesystem::exists(list, none)) continue;
+    if (any)
+      write_frame_list(folder, name, kind, extension, times, first_listed);
+    else
+      remove_file(list);
+  }
 }
 
 bool has_cell_frame(const Method& method) {
@@ -170,9 +221,6 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
             particle_frame(view, options.fields));
   write_vti(file("nodes", ".vti"), grid, node_frame(view));
   if (with_cells) write_vti(file("cells", ".vti"), cell_centres(grid), cell_frame(view));
-  remove_other_frame(file("particles", ".vtp"));
-  remove_other_frame(file("nodes", ".vti"));
-  if (with_cells) remove_other_frame(file("cells", ".vti"));
   times.push_back(simulation.time());
   const auto list = [&](const char* kind, const char* extension) {
     write_frame_list(folder, name, kind, extension, times, options.first_listed);

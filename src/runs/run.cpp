@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "recon/runs/frames.hpp"
+#include "runs/frame_fields.hpp"
 #include "runs/rows_file.hpp"
 #include "runs/stepping.hpp"
 
@@ -121,12 +122,15 @@ RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& 
   const std::filesystem::path checkpoint = options.folder / "checkpoint.h5";
   const bool from_start = options.restart.empty();
   const bool own_folder = !from_start && same_folder(options.restart.parent_path(), options.folder);
-  if (!own_folder && !options.overwrite)
-    for (const auto& path : {ledger_path, probes_path, checkpoint})
+  if (!own_folder && !options.overwrite) {
+    std::vector<std::filesystem::path> others = frames_in(options.folder, options.name, 0);
+    others.insert(others.begin(), {ledger_path, probes_path, checkpoint});
+    for (const auto& path : others)
       if (std::filesystem::exists(path))
         throw OtherRun(path, 0,
                        "is of another run; go on from its checkpoint, overwrite it, or choose "
                        "another folder");
+  }
 
   // The particles go there: a run has them once.
   const std::unique_ptr<Stepping<D>> simulation = place.begin(std::move(file.problem));
@@ -148,20 +152,21 @@ RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& 
   }
   simulation->agree();
   if (options.begins) options.begins(result.forecast);
+  FrameOptions frame_options;
+  frame_options.fields = file.output.fields;
+  frame_options.first_listed = own_folder ? 0 : state.frame_times.size();
   const bool writes = simulation->writes();
   std::optional<RowsFile> ledger_file, probes_file;
   if (writes) {
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
     if (error) throw FileError(options.folder, 0, "could not be made: " + error.message());
+    begin_frames(options.folder, options.name, state.frame_times, frame_options.first_listed);
     if (file.output.ledger)
       ledger_file.emplace(ledger_path, ledger_header(), own_folder, simulation->steps());
     if (!file.probes.empty())
       probes_file.emplace(probes_path, probes_header(file.probes), own_folder, simulation->steps());
   }
-  FrameOptions frame_options;
-  frame_options.fields = file.output.fields;
-  frame_options.first_listed = own_folder ? 0 : state.frame_times.size();
   result.shortest_step = std::numeric_limits<double>::infinity();
   // Whether a multiple of an interval lies between two times.
   const auto passes = [](double interval, double from, double to) {

@@ -136,7 +136,7 @@ TEST(ParticleTable, KeepsRows) {
   table.keep_rows({false, true, true});
   EXPECT_EQ(table.size(), 2u);
   EXPECT_THAT(table.column("x"), ElementsAre(1, 2));
-  EXPECT_EQ(table.describe_row(1), "row 1 (id 13, line 7)");
+  EXPECT_EQ(table.describe_row(1), "row 2 (id 13, line 7)");
   EXPECT_THAT(message([&] { table.keep_rows({true}); }), HasSubstr("number of rows"));
   table.keep_rows({false, false});
   EXPECT_EQ(table.size(), 0u);
@@ -238,8 +238,8 @@ TEST(ParticleTable, KeptRows) {
   table.declare_missing("4");
   table.keep_rows({true, false, true, true, true});
   EXPECT_THAT(table.raw_column("x"), testing::ElementsAre(0, 2, 3, testing::IsNan()));
-  EXPECT_THAT(message([&] { table.column("v"); }), HasSubstr("row 2 (line 5) = 'b'"));
-  EXPECT_THAT(message([&] { table.column("x"); }), HasSubstr("row 3 (line 6) = missing"));
+  EXPECT_THAT(message([&] { table.column("v"); }), HasSubstr("row 3 (line 5) = 'b'"));
+  EXPECT_THAT(message([&] { table.column("x"); }), HasSubstr("row 4 (line 6) = missing"));
   table.keep_rows({true, true, false, true});
   EXPECT_THAT(table.column("v"), ElementsAre(1, 3, 5));
   EXPECT_THAT(table.names(), ElementsAre("x", "v"));

@@ -108,7 +108,7 @@ TEST_F(Delimited, MissingValues) {
   EXPECT_EQ(table.leave_out_missing(table.coordinates()), 1u);
   EXPECT_EQ(table.column("x"), (Values{0, 2, 3}));
   EXPECT_EQ(table.leave_out_missing({"v"}), 1u);
-  expect_invalid([&] { table.column("v"); }, "row 1 (line 5) of a.csv = ''");
+  expect_invalid([&] { table.column("v"); }, "row 3 (line 5) of a.csv = ''");
   table = read_particles(path, {.missing = {"NA", "-9999", ""}});
   EXPECT_EQ(table.leave_out_missing({"x", "y", "v", "w"}), 4u);
   EXPECT_EQ(table.size(), 0u);

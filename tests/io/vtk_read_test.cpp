@@ -112,9 +112,11 @@ TEST(ReadVtk, XmlInPieces) {
 // Points in several files, of which one has none.
 TEST(ReadVtk, PointsInSeveralFiles) {
   const test::TemporaryFolder folder;
-  const auto write = [&](const char* name, std::vector<double> x, const char* field = "mass") {
+  const auto write = [&](const char* name, std::vector<double> x, const char* field = "mass",
+                         std::int64_t step = 7, std::optional<double> time = {}) {
     recon::FieldSet fields;
-    fields.step = 7;
+    fields.step = step;
+    fields.time = time;
     fields.add(field, 1, x);
     const std::vector<double> y(x.size(), 2);
     std::array<std::vector<double>, 3> axes{x, y, {}};
@@ -140,7 +142,18 @@ TEST(ReadVtk, PointsInSeveralFiles) {
     }
   };
   write("a_1.vtp", {4}, "weight");
-  expect("the piece has no array 'mass' like the first one");
+  expect("the piece has no array 'mass' of 1 components, which PPointData names");
+  write("a_1.vtp", {4}, "mass", 8);
+  expect("the piece is of the step 8, and what was read before it of 7");
+  write("a_1.vtp", {4}, "mass", 7, 0.5);
+  write("a_2.vtp", {4}, "mass", 7, 0.25);
+  expect("the piece is of the time 0.25, and what was read before it of 0.5");
+  recon::write_pvtp(all, 2, {"a_0.vtp", "a_1.vtp", "./a_0.vtp"}, fields);
+  expect("names the piece './a_0.vtp' again");
+  recon::FieldSet more = fields;
+  more.add("volume", 1, {1});
+  recon::write_pvtp(all, 2, {"a_0.vtp", "a_1.vtp"}, more);
+  expect("the piece has no array 'volume' of 1 components, which PPointData names");
   recon::write_pvtp(all, 2, {"a_0.vtp", "nowhere.vtp"}, fields);
   expect("nowhere.vtp");
   recon::write_pvtp(all, 2, {"a_0.vtp", "a.pvtp"}, fields);

@@ -109,6 +109,16 @@ TEST_F(MapOnRanks, AxesAreThoseOfAllParticles) {
   expect_as_one("plane.csv --fields v --spacing 4 --radius 3" + std::string(on_all), {2, 3});
 }
 
+TEST_F(MapOnRanks, PiecesOfMoreRanksAreNotLeft) {
+  const std::string arguments =
+      "map \"$CHUTE\" --fields vx --spacing 4 --k 20 --quiet --out v.pvti";
+  write("v_9.vti", "of somebody else");
+  for (const int ranks : {3, 2}) EXPECT_EQ(on(ranks, arguments + on_all).code, 0);
+  EXPECT_TRUE(exists("v_1.vti"));
+  EXPECT_FALSE(exists("v_2.vti"));
+  EXPECT_TRUE(exists("v_9.vti"));
+}
+
 TEST_F(MapOnRanks, SaysWhatNeedsAllParticlesAtOnce) {
   expect_one_message(2, "map \"$CHUTE\" --fields vx --out v.pvti", 1,
                      HasSubstr("on 2 ranks say also --spacing H, --radius R (or --k K) and "
@@ -131,11 +141,16 @@ TEST_F(MapOnRanks, WhatOneRankFindsWrongEndsAll) {
   expect_one_message(2, "map short.csv" + how, 2, HasSubstr("short.csv:302"));
   write_rows("text.csv", [&](int i) { return place(i) + (i == 300 ? ",7,oh" : ",7,1"); });
   expect_one_message(2, "map text.csv" + how, 2,
-                     testing::AllOf(HasSubstr("rank 1: "), HasSubstr("line 302")));
+                     testing::AllOf(HasSubstr("rank 1: "), HasSubstr("row 300 (line 302)")));
   write_rows("text.csv", [&](int i) { return place(i) + (i == 300 ? ",seven,1" : ",7,1"); });
   expect_one_message(2, "map text.csv" + how, 2, HasSubstr("line 302"));
   write_rows("far.csv", [&](int i) { return (i == 300 ? "nan,1" : place(i)) + ",7,1"; });
-  expect_one_message(2, "map far.csv" + how, 2, HasSubstr("line 302"));
+  expect_one_message(2, "map far.csv" + how, 2, HasSubstr("row 300 (line 302)"));
+  // Of the first rank alone.
+  write_rows("low.csv", [&](int i) { return place(i) + (i == 600 ? ",7,0" : ",7,1"); });
+  expect_one_message(2, "map low.csv --weight-by v" + how, 2,
+                     testing::AllOf(HasSubstr("recon: rank 0: "), HasSubstr("row 600 (line 602)")));
+  expect_one_message(3, "map low.csv --where 'v > 1'" + how, 1, HasSubstr("is true of none"));
   EXPECT_EQ(read("v.pvti"), "of before");
 }
 

@@ -218,7 +218,8 @@ TEST_F(OnRanks, LeavesTheFilesOfOneProcess) {
   for (const int ranks : {1, 2, 3, 4}) {
     const std::string out = "on" + std::to_string(ranks);
     const std::string summary = succeed_on(ranks, "run hanging.toml --quiet --out " + out);
-    EXPECT_THAT(summary, HasSubstr("\nranks          " + std::to_string(ranks) + ", with "));
+    const std::string line = "\nranks          " + std::to_string(ranks) + ", with ";
+    EXPECT_EQ(summary.find(line) != std::string::npos, ranks > 1) << summary;
     std::set<std::string> names[2];
     for (const auto& each : {std::pair("one", 0), std::pair(out.c_str(), 1)})
       for (const auto& file : std::filesystem::directory_iterator(folder() / each.first))
@@ -332,6 +333,31 @@ TEST_F(OnRanks, GoesOnWithAnyNumberOfRanks) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "forms/hanging_particles_0003.pvtp"));
 }
 
+// Neither the pieces of more ranks nor later frames.
+TEST_F(OnRanks, NothingOfTheRunBeforeIsLeft) {
+  const auto left = [&](const std::string& of_another) {
+    std::string names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder() / "out")) {
+      const std::string name = entry.path().filename().string();
+      if (std::regex_search(name, std::regex(of_another))) names += " " + name;
+    }
+    return names;
+  };
+  const std::string command = "run hanging.toml --quiet --out out", end = " --set end=";
+  succeed_on(4, command + end + "0.12 --set frames=6");
+  EXPECT_THAT(left("_0005_3[.]"), HasSubstr("hanging_nodes_0005_3.vti"));
+  succeed_on(2, command + end + "0.04 --set frames=2 --overwrite");
+  EXPECT_EQ(left("_[0-9]{4}_[23][.]|_000[3-9]"), "");
+  // What a checkpoint does not know of is of a run that went on from it: as if that had been killed.
+  const std::string checkpoint = read("out/checkpoint.h5");
+  succeed_on(3, command + end + "0.12 --set frames=6 --restart out/checkpoint.h5");
+  EXPECT_NE(left("_0006_2[.]"), "");
+  write("out/checkpoint.h5", checkpoint);
+  succeed(command + end + "0.08 --set frames=4 --restart out/checkpoint.h5");
+  EXPECT_EQ(left("_000[3-9]_|_000[5-9]"), "");
+  EXPECT_NE(left("_0002_1[.]"), "") << "frames before the restart stay";
+}
+
 // A particle that leaves the grid on one rank.
 TEST_F(OnRanks, AFailureOfOneEndsAll) {
   const std::string command = "run hanging.toml --quiet --out out --set end=1 --set frames=50";
@@ -403,8 +429,10 @@ TEST_F(OnRanks, MistakesAreSaidOnce) {
   expect_failure_on(2, "run hanging.toml --restart bad.h5", 2, HasSubstr("bad.h5: "));
   expect_failure_on(2, "run still.toml --method mpm+mass=consistent", 2,
                     HasSubstr("must be lumped in a state of several parts"));
-  expect_failure_on(2, "compare hanging.toml", 1,
-                    HasSubstr("only recon-mpm run is spread over the ranks"));
+  EXPECT_THAT(on(2, "compare hanging.toml").err,
+              HasSubstr("compare is for one process, and 2 were started; only recon-mpm run is "
+                        "spread over the ranks"));
+  expect_failure_on(3, "rnu hanging.toml", 1, HasSubstr("did you mean 'run'?"));
   const std::string help = on(2, "help run").out, usage = "Usage: ";
   EXPECT_NE(help.find(usage), std::string::npos);
   EXPECT_EQ(help.find(usage), help.rfind(usage));
@@ -416,17 +444,49 @@ TEST_F(OnRanks, MistakesAreSaidOnce) {
                     HasSubstr("checkpoint of another problem"));
 }
 
+// Each rank has a command or a file of its own.
+class RanksThatDiffer : public OnRanks {
+ protected:
+  void SetUp() override {
+    if (shell(mpirun(1) + "sh -c 'test -n \"$OMPI_COMM_WORLD_RANK\"'").code != 0)
+      GTEST_SKIP() << "this mpirun does not say which rank it starts as OpenMPI does";
+  }
+  Outcome each(const std::string& first, const std::string& second) const {
+    return shell(mpirun(2) + "sh -c 'if [ $OMPI_COMM_WORLD_RANK = 0 ]; then exec \"" + program() +
+                 "\" " + first + "; else exec \"" + program() + "\" " + second + "; fi'");
+  }
+};
+
+TEST_F(RanksThatDiffer, NoneWaitsForOneWithAnotherCommand) {
+  const std::string right = "run still.toml --quiet --out out";
+  const auto expect = [&](const std::string& first, const std::string& second,
+                          const testing::Matcher<const std::string&>& message) {
+    const Outcome outcome = each(first, second);
+    EXPECT_EQ(outcome.code, 1) << first << ", " << second << "\n" << outcome.err;
+    EXPECT_THAT(said(outcome), message) << first << ", " << second;
+    EXPECT_FALSE(exists("out")) << first << ", " << second;
+  };
+  expect(right + " --bogus", right, HasSubstr("rank 0: unknown option '--bogus'"));
+  expect(right, right + " --bogus", HasSubstr("rank 1: unknown option '--bogus'"));
+  expect(right, "rnu still.toml", HasSubstr("rank 1: unknown command 'rnu'; did you mean 'run'?"));
+  expect(right, "methods", HasSubstr("rank 1: methods is for one process"));
+  expect(right, "--version",
+         HasSubstr("rank 1: the command is 'recon-mpm --version', and that of "
+                   "the first rank is 'recon-mpm run still.toml"));
+  expect(right, "run still.toml --quiet --out other", HasSubstr(" --out other', and that of"));
+}
+
 // Ranks that do not see the same file.
-TEST_F(OnRanks, WhatOneRankReadsIsWhatAllRead) {
-  write("p0.toml", hanging);
-  const std::string run_own =
-      mpirun(2) + "sh -c \"exec '" + program() + "' run p\\$OMPI_COMM_WORLD_RANK.toml --out out\"";
-  if (shell(mpirun(1) + "sh -c 'test -n \"$OMPI_COMM_WORLD_RANK\"'").code != 0)
-    GTEST_SKIP() << "this mpirun does not say which rank it starts as OpenMPI does";
+TEST_F(RanksThatDiffer, WhatOneRankReadsIsWhatAllRead) {
+  std::filesystem::create_directory(folder() / "0");
+  std::filesystem::create_directory(folder() / "1");
+  write("0/p.toml", hanging);
+  const std::string run_own = mpirun(2) + "sh -c \"cd \\$OMPI_COMM_WORLD_RANK; exec '" + program() +
+                              "' run p.toml --out ../out\"";
   const Outcome missing = shell(run_own);
   EXPECT_EQ(missing.code, 2);
-  EXPECT_THAT(said(missing), AllOf(HasSubstr("rank 1: "), HasSubstr("p1.toml: no such file")));
-  write("p1.toml", std::regex_replace(std::string(hanging), std::regex("30 \\* t"), "31 * t"));
+  EXPECT_THAT(said(missing), AllOf(HasSubstr("rank 1: "), HasSubstr("p.toml: no such file")));
+  write("1/p.toml", std::regex_replace(std::string(hanging), std::regex("30 \\* t"), "31 * t"));
   const Outcome differs = shell(run_own);
   EXPECT_EQ(differs.code, 2);
   EXPECT_THAT(said(differs), HasSubstr("different on some ranks"));

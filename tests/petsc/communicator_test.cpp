@@ -1,5 +1,6 @@
 // Failing together, and the codes of PETSc and MPI as exceptions.
 #include <petscdmda.h>
+#include <signal.h>
 
 #include "petsc/petsc_support.hpp"
 #include "recon/core/progress.hpp"
@@ -8,6 +9,12 @@ namespace recon::testing {
 namespace {
 
 using ::testing::HasSubstr;
+
+TEST(Session, LeavesHandlersOfSignalsAlone) {
+  struct sigaction now {};
+  ASSERT_EQ(sigaction(SIGURG, nullptr, &now), 0);
+  EXPECT_EQ(now.sa_handler, handler_of_before);
+}
 
 TEST(Together, NobodyThrowsWhereNobodyFails) {
   int done = 0;

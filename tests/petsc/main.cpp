@@ -2,6 +2,7 @@
 // them end with the status of the worst.
 #include <gtest/gtest.h>
 #include <petscsys.h>
+#include <signal.h>
 
 #include <cstdio>
 
@@ -26,6 +27,7 @@ class Failures : public testing::EmptyTestEventListener {
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
+  signal(SIGURG, recon::testing::handler_of_before);
   const recon::petsc::Session session(argc, argv);
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);

@@ -20,6 +20,9 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 template <int D>
 using Points = std::vector<std::array<double, D>>;
 
+// Of SIGURG, from before the session.
+inline void handler_of_before(int) {}
+
 inline const petsc::Communicator& world() {
   static const petsc::Communicator ranks(PETSC_COMM_WORLD);
   return ranks;

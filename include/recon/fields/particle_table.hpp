@@ -163,7 +163,11 @@ class ParticleTable {
   // The line of the source at which each row stands; empty where rows have no lines.
   void set_lines(std::vector<std::size_t> lines);
 
-  // How messages call a particle: "row 17 (id 42, line 27)", with rows counted from 0.
+  // The row of the source that each row was, counted from 0: other ones where only some were read.
+  // Throws InvalidArgument unless there is one per row.
+  void set_source_rows(std::vector<std::size_t> rows);
+
+  // How messages call a particle: "row 17 (id 42, line 27)", with rows of the source counted from 0.
   std::string describe_row(std::size_t row) const;
 
  private:
@@ -193,6 +197,7 @@ class ParticleTable {
   PeriodicDomain<double> periods_;  // along x, y, z, as far as there can be some
   std::array<bool, max_dimension> periodic_{}, periodic_edges_{};
   std::vector<std::size_t> lines_;
+  std::vector<std::size_t> source_rows_;  // empty: none was left out
 };
 
 }  // namespace recon

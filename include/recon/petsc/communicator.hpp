@@ -42,7 +42,7 @@ class Error : public std::runtime_error {
 };
 
 // PETSc (and with it MPI) is there as long as the first of these lives, unless it was there before.
-// No options are read from the command line or from files, and signals are not caught.
+// No options are read from the command line or from files, and handlers of signals stay as they are.
 class Session {
  public:
   Session(int argc, char** argv);

@@ -20,7 +20,7 @@
 
 namespace recon::mpm {
 
-// Thrown where the folder holds the ledger or the checkpoint of another run.
+// Thrown where the folder holds the ledger, the checkpoint or frames of another run.
 class OtherRun : public FileError {
  public:
   using FileError::FileError;
@@ -78,7 +78,8 @@ struct RunResult {
 // Runs the problem to its end, or until it is at rest where TimeOptions::rest asks for that. A
 // restart from a checkpoint in the folder continues the run there: its ledger is kept up to the
 // checkpoint, and its frames stay in the lists. Files of any other run are overwritten only if
-// RunOptions::overwrite says so; otherwise OtherRun is thrown. Throws NoRestart for a checkpoint
+// RunOptions::overwrite says so, and then none of its frames of this name is left; otherwise
+// OtherRun is thrown. Throws NoRestart for a checkpoint
 // that read_checkpoint() refuses or that is later than the end, FileError for files that cannot be
 // written, InvalidArgument for a problem without an end or one that takes more than there is
 // (forecast.hpp), Failure where the run cannot go on.

@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
-#include <new>
 #include <system_error>
+#include <thread>
 
 #include "programs/common/build_options.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
+#include "programs/common/launch.hpp"
 #include "programs/common/manual.hpp"
 #include "programs/common/started.hpp"
 #include "programs/common/text.hpp"
@@ -154,24 +155,14 @@ bool print_for_installation(CLI::App& app, const std::vector<std::string>& words
   return true;
 }
 
-int run(const Front& front, const std::string& description, int argc, char** argv,
-        const std::function<std::map<std::string, Command>(CLI::App&)>& add) {
-  CLI::App app{description, front.name};
-  app.set_version_flag("--version", front.name + " " RECON_VERSION "\n" + build_options(),
-                       "the version, and with what it was built");
-  app.require_subcommand(1);
-  app.footer(exit_codes);
-  app.formatter(std::make_shared<HelpFormatter>());
-  app.set_help_flag("-h,--help", "this help");
-  const std::map<std::string, Command> commands = add(app);
-  const std::vector<std::string> words = arguments(argc, argv);
-  if (print_for_installation(app, words)) return success;
+// The command that was asked for; --help and --version are done at once.
+Command read_words(const Front& front, CLI::App& app, const std::vector<std::string>& words,
+                   const std::map<std::string, Command>& commands) {
   try {
     parse(front, app, words);
   } catch (const CLI::Success& asked_for) {  // --help, --version
-    const int code = app.exit(asked_for);
-    require_printed();
-    return code;
+    app.exit(asked_for);
+    return [] {};
   } catch (const CLI::ExtrasError&) {
     std::string extra;
     for (const CLI::App* sub : app.get_subcommands())
@@ -187,39 +178,60 @@ int run(const Front& front, const std::string& description, int argc, char** arg
   } catch (const CLI::ParseError& error) {
     fail_usage(error.what());
   }
-  for (const auto& [name, command] : commands) {
-    if (!app.got_subcommand(name)) continue;
-    if (const int ranks = started().copies; ranks > 1 && !contains(front.on_ranks, name))
-      fail_usage(name + " is for one process, and " + std::to_string(ranks) +
-                 " were started; only " + front.name + " " + enumeration(front.on_ranks) +
-                 " is spread over the ranks of mpirun or srun");
-    command();
+  for (const auto& [name, command] : commands)
+    if (app.got_subcommand(name)) return command;
+  return [] {};
+}
+
+// Several copies are joined, but for commands of one process: those may have been started by a program
+// that is a rank itself.
+int run(const Front& front, const std::string& description, int argc, char** argv,
+        const AddCommands& add) {
+  CLI::App app{description, front.name};
+  app.set_version_flag("--version", front.name + " " RECON_VERSION "\n" + build_options(),
+                       "the version, and with what it was built");
+  app.require_subcommand(1);
+  app.footer(exit_codes);
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "this help");
+  Launch launch;
+  const std::map<std::string, Command> commands = add(app, launch);
+  const std::vector<std::string> words = arguments(argc, argv);
+  const int copies = started().copies;
+  if (copies == 1 && print_for_installation(app, words)) return success;
+  const auto prepare = [&]() -> Command {
+    return [command = read_words(front, app, words, commands)] {
+      command();
+      require_printed();
+    };
+  };
+  if (copies == 1) {
+    prepare()();
+    return success;
   }
-  require_printed();
-  return success;
+  if (commands.contains(words[0]) && !contains(front.on_ranks, words[0]))
+    fail_usage(words[0] + " is for one process, and " + std::to_string(copies) +
+               " were started; only " + front.name + " " + enumeration(front.on_ranks) +
+               " is spread over the ranks of mpirun or srun");
+  return launch.join(front.name, words, prepare);
 }
 
 }  // namespace
 
 int run_program(const Front& front, const std::string& description, int argc, char** argv,
-                const std::function<std::map<std::string, Command>(CLI::App&)>& add) {
-  const auto fail = [&](ExitCode code, const std::string& what) {
-    std::fflush(stdout);
-    std::fprintf(stderr, "%s: %s\n", front.name.c_str(), what.c_str());
-    return code;
-  };
+                const AddCommands& add) {
+  const int rank = started().rank;
   // Of several processes the first one speaks.
-  if (started().rank > 0 && std::freopen("/dev/null", "w", stdout) == nullptr) std::fclose(stdout);
+  if (rank > 0 && std::freopen("/dev/null", "w", stdout) == nullptr) std::fclose(stdout);
   try {
     return run(front, description, argc, argv, add);
-  } catch (const ProgramError& error) {  // the same on all ranks: the first one says it
-    return started().rank > 0 ? error.code() : fail(error.code(), error.what());
-  } catch (const InvalidArgument& error) {
-    return fail(wrong_usage, error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(internal_error, "out of memory; a larger spacing needs less");
-  } catch (const std::exception& error) {
-    return fail(internal_error, error.what());
+  } catch (...) {
+    const Failure own = failure();
+    // Copies that were not joined: where the first one fails, too, it says so, and its end is that of
+    // the others before they do.
+    if (rank > 0) std::this_thread::sleep_for(std::chrono::seconds(3));
+    say(front.name, rank > 0 ? "rank " + std::to_string(rank) + ": " + own.text : own.text);
+    return own.code;
   }
 }
 

@@ -12,8 +12,13 @@ class App;
 
 namespace recon::program {
 
+class Launch;
+
 // What a subcommand runs once the command line is read.
 using Command = std::function<void()>;
+// Makes the subcommands; those that are spread over ranks find them in the launch, which outlives
+// the commands, when they are run.
+using AddCommands = std::function<std::map<std::string, Command>(CLI::App&, const Launch&)>;
 
 struct Front {
   std::string name;  // of the program
@@ -24,8 +29,8 @@ struct Front {
 };
 
 // Parses the arguments and runs the subcommand. The exit code; whatever is wrong is said on the
-// standard error. `add` makes the subcommands.
+// standard error.
 int run_program(const Front& front, const std::string& description, int argc, char** argv,
-                const std::function<std::map<std::string, Command>(CLI::App&)>& add);
+                const AddCommands& add);
 
 }  // namespace recon::program

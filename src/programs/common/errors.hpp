@@ -28,6 +28,23 @@ class ProgramError : public std::runtime_error {
   ExitCode code_;
 };
 
+// What all ranks throw alike, and the first one says.
+class FailureOfAll : public ProgramError {
+ public:
+  using ProgramError::ProgramError;
+};
+
+// What an exception says, and the code that the program ends with.
+struct Failure {
+  ExitCode code = success;
+  std::string text;
+};
+
+// Of the exception that is being handled.
+Failure failure();
+// Says it on the standard error, after what was printed.
+void say(const std::string& program, const std::string& what);
+
 [[noreturn]] inline void fail_usage(const std::string& what) {
   throw ProgramError(wrong_usage, what);
 }

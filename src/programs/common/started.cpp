@@ -4,9 +4,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
-#include <string>
-
-#include "programs/common/errors.hpp"
 
 namespace recon::program {
 namespace {
@@ -37,12 +34,6 @@ Started started() {
   if (const int copies = number_in_environment("SLURM_STEP_NUM_TASKS"); copies > 1)
     return {copies, std::max(number_in_environment("SLURM_PROCID"), 0), true};
   return {};
-}
-
-void fail_without_ranks() {
-  fail_usage(std::to_string(started().copies) +
-             " copies were started, which would all write the same files: this program was built "
-             "without ranks (RECON_BUILD_PETSC); start it once, without mpirun or srun");
 }
 
 int threads_of_a_rank(int said) {

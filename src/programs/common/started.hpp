@@ -12,8 +12,6 @@ struct Started {
 
 Started started();
 
-// Ends with wrong_usage: several copies of a program that was built without ranks.
-[[noreturn]] void fail_without_ranks();
 // Ranks are as many as there are processors: each has one thread, unless it is said (0: it is not).
 int threads_of_a_rank(int said);
 

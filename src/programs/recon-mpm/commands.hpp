@@ -5,8 +5,6 @@
 
 namespace recon::program {
 
-class Launch;
-
 Command add_run(CLI::App& app, const Launch& launch);
 Command add_methods(CLI::App& app);
 Command add_converge(CLI::App& app);

@@ -1,13 +1,16 @@
 // recon-mpm: problem files in, runs and studies of the material point method out.
 #include <signal.h>
 
+#include <string_view>
+
 #include "commands.hpp"
-#include "launch.hpp"
+#include "stop_signals.hpp"
 
 int main(int argc, char** argv) {
   using namespace recon::program;
   signal(SIGXFSZ, SIG_IGN);  // a limit to the size of files is an error like a full disk
-  const Launch launch;
+  StopSignals signals;
+  if (argc > 1 && argv[1] == std::string_view("run")) signals.catch_them();
   return run_program(
       {.name = "recon-mpm", .file_hint = "run", .on_ranks = {"run"}},
       "recon-mpm runs the material point method in its variants, whose velocity and stress maps "
@@ -21,7 +24,7 @@ int main(int argc, char** argv) {
       "  recon-mpm verify                           the claims of the publications, measured\n"
       "  recon-mpm stability                        the largest stable step of each method\n"
       "  recon-mpm help run                         all about one of them",
-      argc, argv, [&](CLI::App& app) -> std::map<std::string, Command> {
+      argc, argv, [](CLI::App& app, const Launch& launch) -> std::map<std::string, Command> {
         return {{"run", add_run(app, launch)},   {"methods", add_methods(app)},
                 {"converge", add_converge(app)}, {"compare", add_compare(app)},
                 {"verify", add_verify(app)},     {"stability", add_stability(app)}};

@@ -1,8 +1,6 @@
 // recon-mpm run PROBLEM: one run, with frames, a ledger and checkpoints.
 #include "recon/runs/run.hpp"
 
-#include <signal.h>
-
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -10,15 +8,17 @@
 #include <optional>
 
 #include "commands.hpp"
-#include "launch.hpp"
 #include "problem_options.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/json.hpp"
+#include "programs/common/launch.hpp"
 #include "programs/common/progress.hpp"
 #include "programs/common/started.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/picture.hpp"
 #include "recon/io/read.hpp"
+#include "run_on.hpp"
+#include "stop_signals.hpp"
 
 namespace recon::program {
 namespace {
@@ -180,38 +180,6 @@ void draw_energies(const fs::path& ledger, const fs::path& picture, const std::s
   draw(picture, plot);
 }
 
-// While it lives, SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGUSR1 (which mpirun passes on to all
-// ranks) ask the run to stop; a second one ends the program at once. Signals that were ignored
-// before (nohup) stay so.
-class StopSignals {
- public:
-  StopSignals() {
-    seen_ = 0;
-    for (std::size_t i = 0; i < signals.size(); ++i) {
-      sigaction(signals[i], nullptr, &before_[i]);
-      if (before_[i].sa_handler == SIG_IGN) continue;
-      struct sigaction action {};
-      action.sa_handler = [](int signal) {
-        seen_ = signal;
-        for (const int each : signals) ::signal(each, SIG_DFL);
-      };
-      sigaction(signals[i], &action, nullptr);
-    }
-  }
-  ~StopSignals() {
-    for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
-  }
-  StopSignals(const StopSignals&) = delete;
-  StopSignals& operator=(const StopSignals&) = delete;
-
-  static int seen() { return seen_; }  // the signal, or 0
-
- private:
-  static constexpr std::array<int, 4> signals{SIGINT, SIGTERM, SIGHUP, SIGUSR1};
-  static inline volatile sig_atomic_t seen_ = 0;
-  std::array<struct sigaction, 4> before_{};
-};
-
 // As a shell reads it as one word.
 std::string shell_word(const std::string& text) {
   const bool plain = text.find_first_not_of(
@@ -255,6 +223,48 @@ std::string advice(const RunCommand& options, const mpm::TimeOptions& time, doub
          "another --out.";
 }
 
+// Does a run; what ends it comes with what can be done about it.
+template <int D>
+void with_advice(const RunCommand& options, const mpm::Problem<D>& problem,
+                 const fs::path& checkpoint, const Saved& saved,
+                 const std::function<void()>& run_it) {
+  const mpm::TimeOptions& time = problem.time;
+  const double courant = time.courant.value_or(problem.method.default_courant(D));
+  try {
+    run_it();
+  } catch (const InvalidArgument& refusal) {
+    const std::string what = "the run cannot begin: " + std::string(refusal.what());
+    const std::string& about = refusal.argument();
+    throw ProgramError(wrong_input, about.ends_with("memory") || about.ends_with("steps")
+                                        ? what +
+                                              "; [limits] memory and steps in the problem file say "
+                                              "what it may take"
+                                        : what);
+  } catch (const mpm::Failure& failure) {
+    throw ProgramError(internal_error, "the run stopped: " + std::string(failure.what()) + "\n" +
+                                           advice(options, time, courant, checkpoint, saved));
+  } catch (const mpm::OtherRun& error) {
+    throw ProgramError(
+        no_output, error.path().string() + ": is of another run" +
+                       (fs::exists(checkpoint)
+                            ? "; --restart " + shell_word(checkpoint.string()) + " goes on with it,"
+                            : ";") +
+                       " --overwrite replaces it, --out chooses another folder");
+  } catch (const mpm::NoRestart& error) {
+    throw ProgramError(wrong_input, error.what());
+  } catch (const FileError& error) {
+    throw ProgramError(no_output, error.what());
+  }
+}
+
+// Ends with 128 and the number of the signal, if any process has seen one.
+void fail_stopped(const Everyone& everyone, const std::string& what) {
+  everyone.together([&] {
+    const auto signal = static_cast<int>(everyone.greatest(StopSignals::seen()));
+    if (signal != 0) throw ProgramError(static_cast<ExitCode>(128 + signal), what);
+  });
+}
+
 template <int D>
 void run(const RunCommand& options, mpm::ProblemFile<D>&& given, const Launch& launch) {
   // The particles are the run's alone.
@@ -291,44 +301,20 @@ void run(const RunCommand& options, mpm::ProblemFile<D>&& given, const Launch& l
   Saved saved;
   run_options.saved = [&](double time, std::int64_t steps) { saved = {true, time, steps}; };
   run_options.stop = [] { return StopSignals::seen() != 0; };
-  const mpm::TimeOptions& time = file.problem.time;
-  const double courant = time.courant.value_or(file.problem.method.default_courant(D));
+  const Everyone& everyone = launch.everyone();
   mpm::RunResult result;
-  const StopSignals signals;
-  try {
-    result = launch.run(std::move(given), run_options);
-  } catch (const InvalidArgument& refusal) {
-    const std::string what = "the run cannot begin: " + std::string(refusal.what());
-    const std::string& about = refusal.argument();
-    throw ProgramError(wrong_input, about.ends_with("memory") || about.ends_with("steps")
-                                        ? what +
-                                              "; [limits] memory and steps in the problem file say "
-                                              "what it may take"
-                                        : what);
-  } catch (const mpm::Failure& failure) {
-    throw ProgramError(internal_error, "the run stopped: " + std::string(failure.what()) + "\n" +
-                                           advice(options, time, courant, checkpoint, saved));
-  } catch (const mpm::OtherRun& error) {
-    throw ProgramError(
-        no_output, error.path().string() + ": is of another run" +
-                       (fs::exists(checkpoint)
-                            ? "; --restart " + shell_word(checkpoint.string()) + " goes on with it,"
-                            : ";") +
-                       " --overwrite replaces it, --out chooses another folder");
-  } catch (const mpm::NoRestart& error) {
-    throw ProgramError(wrong_input, error.what());
-  } catch (const FileError& error) {
-    throw ProgramError(no_output, error.what());
-  }
+  everyone.together([&] {
+    with_advice(options, file.problem, checkpoint, saved,
+                [&] { result = run_on(launch, std::move(given), run_options); });
+  });
   const std::string folder = run_options.folder.string();
   Json summary = summary_object(file, result, progress.seconds(), folder);
   if (options.json && (result.stopped || !file.output.ledger)) print_json(summary);
   if (!options.json) print_summary(file, result, progress.seconds(), folder);
   if (result.stopped)
-    throw ProgramError(static_cast<ExitCode>(128 + launch.largest(StopSignals::seen())),
-                       "stopped at time " + number(saved.time) + ", step " +
-                           std::to_string(saved.steps) +
-                           ". To go on: " + go_on(options, checkpoint));
+    fail_stopped(everyone, "stopped at time " + number(saved.time) + ", step " +
+                               std::to_string(saved.steps) +
+                               ". To go on: " + go_on(options, checkpoint));
   if (!file.output.ledger || started().rank > 0) return;
   const fs::path picture = run_options.folder / "energy.png";
   std::string why_none;
@@ -360,12 +346,13 @@ Command add_run(CLI::App& app, const Launch& launch) {
   command->add_flag("--quiet", options->quiet, "no progress");
   add_json_option(*command, options->json, "Options");
   return [options, &launch] {
-    launch.require_ranks();
+    const Everyone& everyone = launch.everyone();
     std::optional<mpm::AnyProblem> problem;
-    launch.together([&] { problem = options->problem.read(); });
+    everyone.together([&] { problem = options->problem.read(); });
+    fail_stopped(everyone, "stopped before the run has begun; nothing was written");
     std::visit(
         [&](auto& file) {
-          if (launch.has_ranks()) file.problem.threads = threads_of_a_rank(file.problem.threads);
+          if (started().by_launcher) file.problem.threads = threads_of_a_rank(file.problem.threads);
           run(*options, std::move(file), launch);
         },
         *problem);

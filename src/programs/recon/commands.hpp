@@ -7,7 +7,7 @@ namespace recon::program {
 
 Command add_convert(CLI::App& app);
 Command add_info(CLI::App& app);
-Command add_map(CLI::App& app);
+Command add_map(CLI::App& app, const Launch& launch);
 Command add_profile(CLI::App& app);
 
 }  // namespace recon::program

@@ -13,10 +13,10 @@ int main(int argc, char** argv) {
       "  recon map FILE --fields vx --out v.vti     fields on a grid\n"
       "  recon profile FILE --fields vx --out v.csv fields along an axis\n"
       "  recon help map                             all about one of them",
-      argc, argv, [](CLI::App& app) -> std::map<std::string, Command> {
+      argc, argv, [](CLI::App& app, const Launch& launch) -> std::map<std::string, Command> {
         return {{"convert", add_convert(app)},
                 {"info", add_info(app)},
-                {"map", add_map(app)},
+                {"map", add_map(app, launch)},
                 {"profile", add_profile(app)}};
       });
 }

@@ -8,17 +8,19 @@
 #include "map_series.hpp"
 #include "programs/common/checks.hpp"
 #include "programs/common/errors.hpp"
-#include "programs/common/started.hpp"
 #include "summary.hpp"
 
 namespace recon::program {
 
 namespace {
 
-void run(const MapOptions& options) {
-  if (options.input.file.empty()) fail_usage("map: the FILE is missing; see recon map --help");
-  const Method method = read_method(options.method, options.fit);
-  if (started().copies > 1) return map_on_ranks(options, method);
+void run(const MapOptions& options, const Launch& launch) {
+  Method method;
+  launch.everyone().together([&] {
+    if (options.input.file.empty()) fail_usage("map: the FILE is missing; see recon map --help");
+    method = read_method(options.method, options.fit);
+  });
+  if (launch.has_ranks()) return map_on_ranks(options, method, launch);
   check_options(options);
   if (options.average) return map_average(options, method);
   if (is_series(options.input)) return map_series(options, method);
@@ -137,7 +139,7 @@ void add_output_options(CLI::App& app, MapOptions& options) {
 
 }  // namespace
 
-Command add_map(CLI::App& app) {
+Command add_map(CLI::App& app, const Launch& launch) {
   CLI::App* sub =
       app.add_subcommand("map", "Particle data to fields on a grid or at points of your own");
   const auto options = std::make_shared<MapOptions>();
@@ -161,7 +163,7 @@ Command add_map(CLI::App& app) {
       "built with RECON_BUILD_PETSC):\n"
       "  mpirun -n 4 recon map FILE --fields vx --spacing H --k 20 \\\n"
       "      --max-distance none --out v.pvti");
-  return [options] { run(*options); };
+  return [options, &launch] { run(*options, launch); };
 }
 
 }  // namespace recon::program

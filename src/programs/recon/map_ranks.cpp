@@ -1,20 +1,22 @@
 #include "map_ranks.hpp"
 
-#include "programs/common/errors.hpp"
-#include "programs/common/started.hpp"
-
-#ifdef RECON_PROGRAM_HAS_PETSC
+#ifdef RECON_PROGRAMS_HAVE_RANKS
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "frames.hpp"
 #include "outputs.hpp"
-#include "programs/common/ranks.hpp"
+#include "programs/common/errors.hpp"
+#include "programs/common/started.hpp"
 #include "programs/common/text.hpp"
 #include "recon/io/write.hpp"
 #include "recon/petsc/reconstruct.hpp"
@@ -27,48 +29,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// All ranks, each of which has a part of the particles.
-class Mappers : public Everyone {
- public:
-  int size() const override { return ranks_.size(); }
-  int rank() const { return ranks_.rank(); }
-  void require_started() const { ranks_.require_started(); }
-
-  void together(const std::function<void()>& work) const override { ranks_.together(work); }
-  std::size_t sum(std::size_t number) const override {
-    return static_cast<std::size_t>(ranks_.all().sum(static_cast<long long>(number)));
-  }
-  double greatest(double number) const override { return ranks_.all().largest(number); }
-  MPI_Comm get() const { return ranks_.all().get(); }
-
-  // Brings rows of `width` numbers to the ranks that `owner` names; they come in the order of the
-  // ranks that had them.
-  std::vector<double> bring(const std::vector<double>& rows, std::size_t width,
-                            const std::vector<int>& owner) const {
-    const auto ranks = static_cast<std::size_t>(size());
-    std::vector<int> sent(ranks, 0), got(ranks), from(ranks + 1, 0), to(ranks + 1, 0);
-    for (const int one : owner) ++sent[static_cast<std::size_t>(one)];
-    MPI_Alltoall(sent.data(), 1, MPI_INT, got.data(), 1, MPI_INT, get());
-    std::partial_sum(sent.begin(), sent.end(), from.begin() + 1);
-    std::partial_sum(got.begin(), got.end(), to.begin() + 1);
-    std::vector<double> in_order(rows.size()), brought(static_cast<std::size_t>(to.back()) * width);
-    std::vector<int> next(from);
-    for (std::size_t row = 0; row < owner.size(); ++row)
-      std::copy_n(&rows[row * width], width,
-                  &in_order[static_cast<std::size_t>(next[static_cast<std::size_t>(owner[row])]++) *
-                            width]);
-    MPI_Datatype whole_row;
-    MPI_Type_contiguous(static_cast<int>(width), MPI_DOUBLE, &whole_row);
-    MPI_Type_commit(&whole_row);
-    MPI_Alltoallv(in_order.data(), sent.data(), from.data(), whole_row, brought.data(), got.data(),
-                  to.data(), whole_row, get());
-    MPI_Type_free(&whole_row);
-    return brought;
-  }
-
- private:
-  Ranks ranks_;
-};
+// Brings rows of `width` numbers to the ranks that `owner` names; they come in the order of the
+// ranks that had them.
+std::vector<double> bring(const petsc::Communicator& all, const std::vector<double>& rows,
+                          std::size_t width, const std::vector<int>& owner) {
+  const auto ranks = static_cast<std::size_t>(all.size());
+  std::vector<int> sent(ranks, 0), got(ranks), from(ranks + 1, 0), to(ranks + 1, 0);
+  for (const int one : owner) ++sent[static_cast<std::size_t>(one)];
+  MPI_Alltoall(sent.data(), 1, MPI_INT, got.data(), 1, MPI_INT, all.get());
+  std::partial_sum(sent.begin(), sent.end(), from.begin() + 1);
+  std::partial_sum(got.begin(), got.end(), to.begin() + 1);
+  std::vector<double> in_order(rows.size()), brought(static_cast<std::size_t>(to.back()) * width);
+  std::vector<int> next(from);
+  for (std::size_t row = 0; row < owner.size(); ++row)
+    std::copy_n(
+        &rows[row * width], width,
+        &in_order[static_cast<std::size_t>(next[static_cast<std::size_t>(owner[row])]++) * width]);
+  MPI_Datatype whole_row;
+  MPI_Type_contiguous(static_cast<int>(width), MPI_DOUBLE, &whole_row);
+  MPI_Type_commit(&whole_row);
+  MPI_Alltoallv(in_order.data(), sent.data(), from.data(), whole_row, brought.data(), got.data(),
+                to.data(), whole_row, all.get());
+  MPI_Type_free(&whole_row);
+  return brought;
+}
 
 // What is found by default from all particles at once, and what fits across ranks do not have.
 void require_possible(const MapOptions& options, const std::string& ranks) {
@@ -117,7 +101,7 @@ struct Slab {
 
 // Each particle to the rank whose slab it lies in, so that others need it only beside its borders.
 // What is not used any more does not go with it.
-void bring_home(const Mappers& ranks, const StructuredGrid<double>& grid, int axis,
+void bring_home(const petsc::Communicator& ranks, const StructuredGrid<double>& grid, int axis,
                 const MapOptions& options, const FieldPlan& plan, Particles& particles) {
   std::vector<std::string> names = particles.axes;
   const auto add = [&](const std::string& name) {
@@ -140,7 +124,7 @@ void bring_home(const Mappers& ranks, const StructuredGrid<double>& grid, int ax
     owner[p] = static_cast<int>(std::clamp(plane / planes, 0.0, 1.0) * ranks.size());
     owner[p] = std::min(owner[p], ranks.size() - 1);
   }
-  const std::vector<double> brought = ranks.bring(rows, width, owner);
+  const std::vector<double> brought = bring(ranks, rows, width, owner);
   ParticleTable home;
   home.source = particles.table.source;
   home.step = particles.table.step;
@@ -173,7 +157,7 @@ struct PieceNodes {
 };
 
 // Sums and extremes of the summaries of all ranks.
-FitSummary of_all(const Mappers& ranks, const FitSummary& own) {
+FitSummary of_all(const Everyone& ranks, const FitSummary& own) {
   FitSummary all;
   for (const auto count :
        {&FitSummary::targets, &FitSummary::full, &FitSummary::reduced, &FitSummary::nearest,
@@ -194,7 +178,7 @@ FitSummary of_all(const Mappers& ranks, const FitSummary& own) {
 }
 
 // The range of the values of all ranks that count.
-FieldRange of_all(const Mappers& ranks, const NamedField& field, int component,
+FieldRange of_all(const Everyone& ranks, const NamedField& field, int component,
                   const std::vector<bool>& counts) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   FieldRange range{infinity, -infinity};
@@ -213,13 +197,28 @@ fs::path piece_name(const fs::path& out, int rank) {
   return out.stem().string() + "_" + std::to_string(rank) + ".vti";
 }
 
+// The pieces that an earlier run on ranks has named in this file.
+std::vector<fs::path> pieces_of(const fs::path& out) {
+  std::ifstream file(out);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string begin = "Source=\"" + out.stem().string() + "_";
+  std::vector<fs::path> pieces;
+  for (std::size_t at = 0; (at = text.find(begin, at)) != std::string::npos;) {
+    at += begin.size();
+    int rank = 0;
+    const auto read = std::from_chars(&text[at], text.data() + text.size(), rank);
+    if (read.ec == std::errc() && std::string_view(read.ptr).starts_with(".vti\""))
+      pieces.push_back(out.parent_path() / piece_name(out, rank));
+  }
+  return pieces;
+}
+
 }  // namespace
 
-void map_on_ranks(const MapOptions& options, const Method& method) {
-  const int size = started().copies;
-  require_possible(options, counted(static_cast<std::size_t>(size), "rank"));
-  const Mappers ranks;
-  ranks.require_started();
+void map_on_ranks(const MapOptions& options, const Method& method, const Launch& launch) {
+  const Everyone& ranks = launch.everyone();
+  ranks.together(
+      [&] { require_possible(options, counted(static_cast<std::size_t>(ranks.size()), "rank")); });
   const fs::path out = options.outputs[0];
   ranks.together([&] {
     if (ranks.rank() == 0) check_files(options.outputs, inputs_of(options));
@@ -252,13 +251,17 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
         !std::string("xyz").starts_with(particles.letters))
       fail_usage("coordinates other than x, x,y or x,y,z are for one process");
   });
-  if (ranks.least(hash) != ranks.greatest(hash))
-    fail_input(
-        "columns of the file hold text in a part of it: name those that are wanted with --fields");
+  const bool same = ranks.least(hash) == ranks.greatest(hash);
+  ranks.together([&] {
+    if (!same)
+      fail_input(
+          "columns of the file hold text in a part of it: name those that are wanted with "
+          "--fields");
+  });
 
   const std::size_t read_here = particles.size();
   const Slab slab(grid, ranks.rank(), ranks.size());
-  bring_home(ranks, grid, slab.axis, options, plan, particles);
+  bring_home(launch.ranks(), grid, slab.axis, options, plan, particles);
   ranks.together([&] {
     fit = fit_options(options.fit, method, particles);
     fit.threads = threads_of_a_rank(fit.threads);
@@ -272,24 +275,30 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   const auto turns = static_cast<std::size_t>(ranks.greatest(
       std::ceil(static_cast<double>(slab.shown - slab.begin) / static_cast<double>(step))));
   Progress progress("mapping", turns, options.quiet || ranks.rank() > 0);
-  MappedFields fields(particles, plan, options.gradient, (slab.shown - slab.begin) * plane);
+  std::optional<MappedFields> made;
+  ranks.together(
+      [&] { made.emplace(particles, plan, options.gradient, (slab.shown - slab.begin) * plane); });
+  MappedFields& fields = *made;
   std::vector<bool>
       counts;  // of each target: whether it is not of the plane that the next rank has
   for (std::size_t turn = 0; turn < turns; ++turn) {
     const std::size_t from = std::min(slab.begin + turn * step, slab.shown);
     const std::size_t to = std::min(from + step, slab.shown);
-    const PieceNodes nodes(grid, slab.piece(grid, from, to), slab.axis);
-    const petsc::Reconstruction at(ranks.get(), particles.positions(),
-                                   points_of_axes(nodes.x, grid.dimension), fit);
-    Eigen::MatrixXd values, slopes;
-    LimitCount limited;
-    limited.components.resize(nodes.plane.size());
-    if (const auto& data = fields.data()) {
-      values = at.apply(data->view(), {.limit = fit.limit, .count = &limited});
-      if (options.gradient) slopes = at.gradient().apply(data->view());
-    }
-    fields.add(at.report().all(), values, slopes, limited);
-    for (const std::size_t at_plane : nodes.plane) counts.push_back(at_plane < slab.end);
+    // What recon::petsc refuses on one rank, it refuses on all.
+    ranks.together([&] {
+      const PieceNodes nodes(grid, slab.piece(grid, from, to), slab.axis);
+      const petsc::Reconstruction at(launch.ranks().get(), particles.positions(),
+                                     points_of_axes(nodes.x, grid.dimension), fit);
+      Eigen::MatrixXd values, slopes;
+      LimitCount limited;
+      limited.components.resize(nodes.plane.size());
+      if (const auto& data = fields.data()) {
+        values = at.apply(data->view(), {.limit = fit.limit, .count = &limited});
+        if (options.gradient) slopes = at.gradient().apply(data->view());
+      }
+      fields.add(at.report().all(), values, slopes, limited);
+      for (const std::size_t at_plane : nodes.plane) counts.push_back(at_plane < slab.end);
+    });
     progress.advance(1);
   }
   const std::size_t components =
@@ -321,10 +330,16 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
   on_disk([&] {
     if (ranks.rank() > 0) return;
     std::vector<GridPieceFile> pieces;
+    std::vector<fs::path> left = pieces_of(out);
     for (int rank = 0; rank < ranks.size(); ++rank)
-      if (const Slab its(grid, rank, ranks.size()); its.begin < its.end)
+      if (const Slab its(grid, rank, ranks.size()); its.begin < its.end) {
         pieces.push_back({its.piece(grid, its.begin, its.shown), piece_name(out, rank)});
+        std::erase(left, out.parent_path() / piece_name(out, rank));
+      }
     write_pvti(out, grid, pieces, mapped.fields);
+    // What more ranks have left is named no more.
+    std::error_code ignored;
+    for (const fs::path& each : left) fs::remove(each, ignored);
   });
 
   std::vector<FitReport> own;
@@ -372,9 +387,7 @@ void map_on_ranks(const MapOptions& options, const Method& method) {
 
 namespace recon::program {
 
-void map_on_ranks(const MapOptions&, const Method&) {
-  fail_without_ranks();
-}
+void map_on_ranks(const MapOptions&, const Method&, const Launch&) {}  // there are none
 
 }  // namespace recon::program
 

@@ -3,11 +3,11 @@
 #pragma once
 
 #include "map_job.hpp"
+#include "programs/common/launch.hpp"
 
 namespace recon::program {
 
-// Ends with wrong_usage where the program was built without recon::petsc, and for options that need
-// all particles at once, naming them.
-void map_on_ranks(const MapOptions& options, const Method& method);
+// Ends with wrong_usage for options that need all particles at once, naming them.
+void map_on_ranks(const MapOptions& options, const Method& method, const Launch& launch);
 
 }  // namespace recon::program

@@ -58,9 +58,11 @@ void keep_where(const InputOptions& options, const Everyone& everyone, ParticleT
   const std::size_t all = everyone.sum(table.size());
   everyone.together([&] { table.keep_rows(rows_where(options.where, table)); });
   const std::size_t kept = everyone.sum(table.size());
-  if (kept == 0)
-    fail_usage("--where '" + options.where + "': is true of none of the " +
-               counted(all, "particle") + " of " + table.source);
+  everyone.together([&] {
+    if (kept == 0)
+      fail_usage("--where '" + options.where + "': is true of none of the " +
+                 counted(all, "particle") + " of " + table.source);
+  });
   table.remarks.push_back("where " + options.where + ": " + count(kept) + " of " +
                           counted(all, "particle"));
 }
@@ -333,8 +335,11 @@ bool drop_missing(const Everyone& everyone, ParticleTable& table,
   everyone.together([&] {
     dropped = with_exit_code(wrong_input, [&] { return table.leave_out_missing(columns); });
   });
-  if (everyone.sum(table.size()) == 0)
-    fail_input(table.source + ": no particle has a value in " + enumeration(columns));
+  const std::size_t kept = everyone.sum(table.size());
+  everyone.together([&] {
+    if (kept == 0)
+      fail_input(table.source + ": no particle has a value in " + enumeration(columns));
+  });
   return everyone.sum(dropped) > 0;
 }
 
@@ -385,19 +390,26 @@ Particles make_particles(ParticleTable read, const InputOptions& options,
   particles.table = std::move(read);
   ParticleTable& table = particles.table;
   particles.in_all = everyone.sum(table.size());
-  if (particles.in_all == 0) fail_input(table.source + ": there are no particles");
+  everyone.together([&] {
+    if (particles.in_all == 0) fail_input(table.source + ": there are no particles");
+  });
   keep_where(options, everyone, table);
-  choose_coordinates(options, table);
-  std::vector<std::string> all;
-  everyone.together(
-      [&] { all = with_exit_code(wrong_input, [&] { return table.all_coordinates(); }); });
+  std::vector<std::string> all, chosen;
+  everyone.together([&] {
+    choose_coordinates(options, table);
+    all = with_exit_code(wrong_input, [&] { return table.all_coordinates(); });
+  });
   const bool detect = options.coordinates.empty() && everyone.size() > 1;
   if (detect) choose_varying(everyone, options.dimension, all, table);
   // A coordinate that is missing somewhere is no constant: without those particles it may be one.
-  drop_missing(everyone, table, with_exit_code(wrong_input, [&] { return table.coordinates(); }));
+  everyone.together(
+      [&] { chosen = with_exit_code(wrong_input, [&] { return table.coordinates(); }); });
+  drop_missing(everyone, table, chosen);
   if (detect) choose_varying(everyone, options.dimension, all, table);
-  everyone.together([&] { particles.dimension = choose_dimension(options, table); });
-  particles.axes = table.coordinates(particles.dimension);
+  everyone.together([&] {
+    particles.dimension = choose_dimension(options, table);
+    particles.axes = table.coordinates(particles.dimension);
+  });
   drop_missing(everyone, table, particles.axes);
   for (const int axis : table.axes(particles.dimension)) particles.letters += axis_names[axis];
   particles.left_out = find_left_out(everyone, table, all, particles.axes);

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "everyone.hpp"
+#include "programs/common/everyone.hpp"
 #include "recon/fields/particle_table.hpp"
 #include "recon/io/read.hpp"
 #include "recon/points/structured_grid.hpp"

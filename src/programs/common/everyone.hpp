@@ -1,5 +1,4 @@
-// The processes that have read parts of the same particles: one, unless ranks of an MPI program share
-// them.
+// The processes that do a work together: one, unless ranks of an MPI program share it.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +11,7 @@ class Everyone {
   virtual ~Everyone() = default;
 
   virtual int size() const { return 1; }
+  virtual int rank() const { return 0; }
 
   // All call each of these, in the same order.
   // Does the work; where it fails on one, it fails on all. It may only wait for the others before
