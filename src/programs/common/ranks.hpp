@@ -23,11 +23,12 @@ class Ranks : public Everyone {
   // Throws on all ranks unless MPI sees those that were started.
   void require_started() const {
     if (size() != started().copies)
-      fail_usage(
+      throw FailureOfAll(
+          wrong_usage,
           std::to_string(started().copies) +
-          " copies were started, and MPI, as this program was built with it, does not see "
-          "them as ranks of one run: mpirun must be that of the same MPI, and srun needs the "
-          "--mpi that it understands");
+              " copies were started, and MPI, as this program was built with it, does not see "
+              "them as ranks of one run: mpirun must be that of the same MPI, and srun needs the "
+              "--mpi that it understands");
   }
 
   // Throws on all ranks where one of them has another text, which `what` names, than the first.
