@@ -34,5 +34,6 @@ install(TARGETS recon_cuda EXPORT reconTargets
 # recon-gpu, which checks and times it (bench/run_gpu): one file that needs nothing but a driver.
 add_executable(recon_gpu EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/bench/gpu/recon_gpu.cpp)
 set_target_properties(recon_gpu PROPERTIES OUTPUT_NAME recon-gpu)
+target_include_directories(recon_gpu PRIVATE ${PROJECT_SOURCE_DIR}/bench)
 target_link_libraries(recon_gpu PRIVATE recon_cuda -static-libstdc++ -static-libgcc)
 recon_set_compile_options(recon_gpu)

@@ -4,14 +4,12 @@
 //   recon-gpu [<out>]     out/gpu by default
 //
 // A million targets among two million random particles, in the workloads of README.md, in double
-// and float; and fewer targets in clouds that the moment matrix cannot fit. Every fiftieth target is
+// and float; moments at the nodes of a grid (grid_case.hpp); and fewer targets in clouds that the moment matrix cannot fit. Every fiftieth target is
 // compared with recon::reconstruct(): its neighbours, its report, the numbers of its row and of its
 // gradient, by what rounding may do to them, 64 eps a / s with the amplification a >= 1 and the
 // smallest pivot s of its report. The exit status is 1 where numbers differ by more, neighbours or
 // reports differ at more than one in a hundred thousand targets, or a second run has other bits; and
 // 77 where there is no GPU.
-#include <cuda_runtime_api.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -26,64 +24,16 @@
 #include <string>
 #include <vector>
 
+#include "flops.hpp"
+#include "grid_case.hpp"
 #include "recon/cuda/reconstruct.hpp"
 #include "recon/operators/reconstruct.hpp"
 #include "recon/points/make_view.hpp"
 
 namespace {
 
-void require(cudaError_t error, const char* what) {
-  if (error != cudaSuccess)
-    throw recon::cuda::Error(std::string(what) + ": " + cudaGetErrorString(error));
-}
-
-// Numbers in the memory of the GPU.
-template <class U>
-class OnGpu {
- public:
-  explicit OnGpu(std::size_t count) : count_(count) {
-    require(cudaMalloc(reinterpret_cast<void**>(&numbers_), (count + 1) * sizeof(U)), "memory");
-  }
-  explicit OnGpu(const std::vector<U>& from) : OnGpu(from.size()) {
-    require(cudaMemcpy(numbers_, from.data(), count_ * sizeof(U), cudaMemcpyHostToDevice), "copy");
-  }
-  OnGpu(const OnGpu&) = delete;
-  OnGpu& operator=(const OnGpu&) = delete;
-  ~OnGpu() { (void)cudaFree(numbers_); }
-  U* data() { return numbers_; }
-
- private:
-  U* numbers_ = nullptr;
-  std::size_t count_;
-};
-
-template <class U>
-std::vector<U> fetch(const U* from, std::size_t count) {
-  std::vector<U> numbers(count);
-  require(cudaMemcpy(numbers.data(), from, count * sizeof(U), cudaMemcpyDeviceToHost), "copy");
-  return numbers;
-}
-
-// The shortest time of a few runs, in seconds, between two events of the stream.
-template <class Run>
-double time_of(const Run& run) {
-  cudaEvent_t begin, end;
-  require(cudaEventCreate(&begin), "event");
-  require(cudaEventCreate(&end), "event");
-  float best = std::numeric_limits<float>::infinity();
-  for (int i = 0; i < 7; ++i) {
-    require(cudaEventRecord(begin), "event");
-    run();
-    require(cudaEventRecord(end), "event");
-    require(cudaEventSynchronize(end), "work");
-    float took = 0;
-    require(cudaEventElapsedTime(&took, begin, end), "event");
-    if (i > 0) best = std::min(best, took);
-  }
-  (void)cudaEventDestroy(begin);
-  (void)cudaEventDestroy(end);
-  return 1e-3 * static_cast<double>(best);
-}
+using recon_gpu::fetch, recon_gpu::Machine, recon_gpu::OnGpu, recon_gpu::percent,
+    recon_gpu::time_of;
 
 struct Workload {
   std::string name;
@@ -114,6 +64,12 @@ PointVector<D, T> points_in(std::size_t count, unsigned seed, double margin, dou
     for (std::size_t d = 0; d < D; ++d)
       x[d] = static_cast<T>(in(random) * (d + 1 == D ? thickness : 1));
   return points;
+}
+
+// Infinite where one of them alone is NaN (a slope of data that have none is one on both sides).
+double difference(double a, double b) {
+  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) == std::isnan(b) ? 0 : HUGE_VAL;
+  return std::abs(a - b);
 }
 
 // Compares every fiftieth target with the library.
@@ -175,21 +131,20 @@ Checked check(recon::cuda::Reconstruction<D, T>& fit, const PointVector<D, T>& p
     for (std::size_t e = 0; e < count; ++e) {
       const std::size_t f = first + ours[e];
       const auto value = static_cast<double>(expected.value(theirs[e]));
-      largest = std::max(largest, std::abs(value));
-      apart = std::fmax(apart, std::abs(static_cast<double>(values[f]) - value));
-      if (std::isnan(static_cast<double>(values[f]))) apart = HUGE_VAL;
+      largest = std::fmax(largest, std::abs(value));
+      apart = std::max(apart, difference(static_cast<double>(values[f]), value));
       for (int d = 0; d < D; ++d) {
         const auto slope = static_cast<double>(expected_slopes.value(theirs[e], d));
         const auto own = static_cast<double>(slopes[f * D + static_cast<std::size_t>(d)]);
-        largest_slope = std::max(largest_slope, std::abs(slope));
-        apart_slope = std::isnan(own) ? HUGE_VAL : std::max(apart_slope, std::abs(own - slope));
+        largest_slope = std::fmax(largest_slope, std::abs(slope));
+        apart_slope = std::max(apart_slope, difference(own, slope));
       }
     }
     const double bound = 64 * static_cast<double>(std::numeric_limits<T>::epsilon()) *
                          std::max(1.0, static_cast<double>(there.amplification)) /
                          std::max(1e-300, static_cast<double>(there.smallest_pivot));
-    const auto of_bound = [bound](double difference, double size) {
-      return difference == 0 ? 0 : difference / (bound * size);
+    const auto of_bound = [bound](double off, double size) {
+      return off == 0 ? 0 : off / (bound * size);
     };
     result.of_rounding = std::max(
         {result.of_rounding, of_bound(apart, largest), of_bound(apart_slope, largest_slope)});
@@ -197,21 +152,9 @@ Checked check(recon::cuda::Reconstruction<D, T>& fit, const PointVector<D, T>& p
   return result;
 }
 
-struct Machine {
-  std::string name;
-  double bytes_per_second = 0;
-};
-Machine this_machine() {
-  cudaDeviceProp properties;
-  require(cudaGetDeviceProperties(&properties, 0), "properties");
-  int clock = 0, width = 0;
-  require(cudaDeviceGetAttribute(&clock, cudaDevAttrMemoryClockRate, 0), "memory clock");
-  require(cudaDeviceGetAttribute(&width, cudaDevAttrGlobalMemoryBusWidth, 0), "bus width");
-  return {properties.name, 2e3 * clock * (width / 8.0)};
-}
-
 template <int D, class T>
-bool run(const Workload& workload, const Machine& machine, std::ostream& report) {
+bool run(const Workload& workload, const Machine& machine, std::ostream& report,
+         std::ostream& fractions) {
   const auto points = points_in<D, T>(workload.particles, 1, 0, workload.thickness);
   const auto targets = points_in<D, T>(workload.targets, 2, 0.1, workload.thickness);
   const auto flat = [](const PointVector<D, T>& all) {
@@ -249,26 +192,38 @@ bool run(const Workload& workload, const Machine& machine, std::ostream& report)
     handed_over += each.solver != workload.options.solver;
 
   const double each = 1e9 / static_cast<double>(m), all = order + find_and_fit + apply;
-  // What must be moved at least: positions in and out of order twice, entries and reports written
-  // and read once.
-  const double bytes = static_cast<double>(n) * D * sizeof(T) * 5 +
-                       static_cast<double>(m) * D * sizeof(T) * 5 +
-                       static_cast<double>(entries) * (3 * 4 + 2 * sizeof(T)) +
-                       static_cast<double>(m) * (sizeof(recon::FitReport) * 2 + 3 * sizeof(T));
+  const char* precision = sizeof(T) == 8 ? "double" : "float";
   char line[512];
-  std::snprintf(line, sizeof line,
-                "| %s | %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.0f %% | %zu |\n",
-                workload.name.c_str(), sizeof(T) == 8 ? "double" : "float", all * each,
-                order * each, find_and_fit * each, apply * each, slopes * each, transpose * each,
-                100 * bytes / all / machine.bytes_per_second, handed_over);
+  std::snprintf(line, sizeof line, "| %s | %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %zu |\n",
+                workload.name.c_str(), precision, all * each, order * each, find_and_fit * each,
+                apply * each, slopes * each, transpose * each, handed_over);
   report << line;
+  // What must be moved, and computed for the fits, at least: each number once.
+  constexpr double size = sizeof(T), index = 4;
+  const auto of = [](std::size_t count) { return static_cast<double>(count); };
+  const double positions = (of(n) + of(m)) * D * size, fields = (of(n) + of(m)) * size,
+               neighbours = of(entries) * index, numbers = of(entries) * size;
+  const double fit_flops =
+      of(m) * recon_bench::construct_flops(D, workload.options.degree, 1) +
+      (of(entries) - of(m)) * (recon_bench::construct_flops(D, workload.options.degree, 2) -
+                               recon_bench::construct_flops(D, workload.options.degree, 1));
+  const double fit_bytes = positions + neighbours + numbers + of(m) * sizeof(recon::FitReport);
+  std::snprintf(line, sizeof line, "| %s | %s | %s | %s | %s | %s | %s | %s |\n",
+                workload.name.c_str(), precision,
+                percent(of(n) * (2 * D * size + index) / order, machine.bytes).c_str(),
+                percent(fit_bytes / find_and_fit, machine.bytes).c_str(),
+                percent(fit_flops / find_and_fit, machine.peak<T>()).c_str(),
+                percent((neighbours + numbers + fields) / apply, machine.bytes).c_str(),
+                percent((positions + neighbours + numbers * D) / slopes, machine.bytes).c_str(),
+                percent((neighbours + numbers + fields) / transpose, machine.bytes).c_str());
+  fractions << line;
   std::snprintf(
       line, sizeof line,
       "%-28s %-6s %s: %zu targets compared, other neighbours %zu, other reports %zu, by the "
       "other solver %zu, numbers within %.3f of what rounding may do, %s\n",
-      workload.name.c_str(), sizeof(T) == 8 ? "double" : "float",
-      checked.good() ? "good" : "NOT GOOD", checked.targets, checked.other_neighbours,
-      checked.other_reports, checked.by_the_other_solver, checked.of_rounding,
+      workload.name.c_str(), precision, checked.good() ? "good" : "NOT GOOD", checked.targets,
+      checked.other_neighbours, checked.other_reports, checked.by_the_other_solver,
+      checked.of_rounding,
       checked.same_bits ? "the same bits again" : "OTHER BITS in a second run");
   std::cout << line << std::flush;
   return checked.good();
@@ -284,21 +239,26 @@ int main(int argc, char** argv) {
     return 77;
   }
   try {
-    const Machine machine = this_machine();
+    const Machine machine = recon_gpu::this_machine();
     using recon::Nearest;
     constexpr recon::Solver mls = recon::Solver::moment_matrix, imls = recon::Solver::gram_schmidt;
     const std::size_t n = 2'000'000, m = 1'000'000;
     const auto begin = std::chrono::steady_clock::now();
-    std::ostringstream table;
+    std::ostringstream table, fractions, grid;
     bool good = true;
     const auto both = [&](auto dimension, const Workload& workload) {
-      good = run<dimension(), double>(workload, machine, table) && good;
-      good = run<dimension(), float>(workload, machine, table) && good;
+      good = run<dimension(), double>(workload, machine, table, fractions) && good;
+      good = run<dimension(), float>(workload, machine, table, fractions) && good;
     };
     const std::integral_constant<int, 2> plane;
     const std::integral_constant<int, 3> space;
     both(space,
          {"3-D degree 2 k=20", {.degree = 2, .neighbours = Nearest{20}, .solver = mls}, n, m, 1});
+    both(space, {"3-D degree 2 k=20, ten times more",
+                 {.degree = 2, .neighbours = Nearest{20}, .solver = mls},
+                 10 * n,
+                 10 * m,
+                 1});
     both(space,
          {"3-D degree 1 k=8", {.degree = 1, .neighbours = Nearest{8}, .solver = mls}, n, m, 1});
     both(plane,
@@ -320,26 +280,40 @@ int main(int argc, char** argv) {
                  200'000,
                  100'000,
                  1e-4});
+    good = recon_gpu::run_grid<double>(machine, 50, grid) && good;
+    good = recon_gpu::run_grid<float>(machine, 50, grid) && good;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
 
     std::filesystem::create_directories(folder);
     std::ostringstream text;
-    text << "# recon::cuda on " << machine.name
-         << "\n\nNanoseconds a target, the shortest of six runs: "
-         << "from positions on the GPU to values (order the particles, find and fit with all "
-            "reports, "
-         << "apply to one field), its parts, and beside it gradients and a transposed product. A "
-         << "million targets among two million random particles; 100,000 among 200,000 in the "
-            "sheet. "
-         << "Bandwidth: what must be moved at least, in the whole time, of "
-         << machine.bytes_per_second * 1e-12 << " TB/s. Handed over: to Gram-Schmidt.\n\n"
-         << "| workload | | all | order | find and fit | apply | gradient | transpose | of "
-            "bandwidth "
-         << "| handed over |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
-         << table.str() << "\n"
-         << (good ? "All checks against the library on the processor were good"
-                  : "CHECKS FAILED: what this machine computed is not what the library computes")
-         << "; the whole took " << took.count() << " s.\n";
+    text
+        << "# recon::cuda on " << machine.name
+        << "\n\nNanoseconds a target, the shortest of six runs: from positions on the GPU to "
+           "values "
+           "(order the particles, find and fit with all reports, apply to one field), its parts, "
+           "and beside it gradients and a transposed product. A million targets among two million "
+           "random particles, and ten times more; 100,000 among 200,000 in the sheet. Handed over: "
+           "to Gram-Schmidt.\n\n"
+           "| workload | | all | order | find and fit | apply | gradient | transpose | handed over "
+           "|\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
+        << table.str()
+        << "\nWhat must be moved and computed at least, each number once and the fits by their "
+           "direct "
+           "formulas, of what the driver says that the GPU can do: "
+        << machine.bytes * 1e-12 << " TB/s, " << machine.flops[1] * 1e-12 << " (double) and "
+        << machine.flops[0] * 1e-12
+        << " (float) Tflop/s.\n\n| workload | | order, of bandwidth | find and fit, of bandwidth | "
+           "of peak | apply, of bandwidth | gradient, of bandwidth | transpose, of bandwidth |\n"
+           "| --- | --- | --- | --- | --- | --- | --- | --- |\n"
+        << fractions.str()
+        << "\nGrid velocity: moments of degree 1 and three components of a million particles at "
+           "132,651 nodes (cubic B-splines, 8 particles in a cell), nanoseconds a particle.\n\n"
+           "| | all | order | sums | of peak | solve | of bandwidth |\n"
+           "| --- | --- | --- | --- | --- | --- | --- |\n"
+        << grid.str() << "\n"
+        << (good ? "All checks against the library on the processor were good"
+                 : "CHECKS FAILED: what this machine computed is not what the library computes")
+        << "; the whole took " << took.count() << " s.\n";
     std::ofstream(folder / "report.md") << text.str();
     std::cout << text.str();
     return good ? 0 : 1;
