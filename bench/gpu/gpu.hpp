@@ -94,9 +94,8 @@ inline Machine this_machine() {
   };
   constexpr Units known[] = {{7, 0, 64, 32}, {7, 5, 64, 2},   {8, 0, 64, 32},   {8, 6, 128, 2},
                              {8, 9, 128, 2}, {9, 0, 128, 64}, {10, 0, 128, 64}, {12, 0, 128, 2}};
-  Machine machine{properties.name,
-                  2e3 * attribute(cudaDevAttrMemoryClockRate) *
-                      (attribute(cudaDevAttrGlobalMemoryBusWidth) / 8.0)};
+  Machine machine{properties.name, 2e3 * attribute(cudaDevAttrMemoryClockRate) *
+                                       (attribute(cudaDevAttrGlobalMemoryBusWidth) / 8.0)};
   for (const Units& each : known) {
     if (each.major != properties.major || each.minor != properties.minor) continue;
     const double cycles = 1e3 * attribute(cudaDevAttrClockRate) * properties.multiProcessorCount;

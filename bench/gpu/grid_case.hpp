@@ -49,7 +49,8 @@ bool run_grid(const Machine& machine, std::size_t cells, std::ostream& report) {
   OnGpu<T> x_there(x), u_there(u);
   recon::cuda::Sources<D, T> sources({x_there.data(), n});
   recon::cuda::GridMoments<D, T> moments(sources, grid, components, options);
-  const std::size_t nodes = moments.nodes(), per_node = static_cast<std::size_t>(moments.per_node());
+  const std::size_t nodes = moments.nodes(),
+                    per_node = static_cast<std::size_t>(moments.per_node());
   OnGpu<T> values(nodes * components);
   const recon::cuda::Field<const T> field{u_there.data(), n, components};
   const recon::cuda::Field<T> out{values.data(), nodes, components};
@@ -96,14 +97,15 @@ bool run_grid(const Machine& machine, std::size_t cells, std::ostream& report) {
       const auto value = static_cast<double>(fit.values()(static_cast<Eigen::Index>(i), c));
       const auto own = static_cast<double>(solved[i * components + static_cast<std::size_t>(c)]);
       if (std::isnan(value) && std::isnan(own)) continue;
-      of_rounding = std::isnan(own) ? HUGE_VAL : std::max(of_rounding, std::abs(own - value) / bound);
+      of_rounding =
+          std::isnan(own) ? HUGE_VAL : std::max(of_rounding, std::abs(own - value) / bound);
     }
   }
   const bool good = of_rounding <= 1 && same_bits && other_reports <= 1 + nodes / 100'000;
 
   const double each = 1e9 / static_cast<double>(n), all = order + sum + solve;
-  const double flops = pairs * (recon_bench::grid_flops_per_pair(D, components) +
-                                D * recon_bench::weight_flops);
+  const double flops =
+      pairs * (recon_bench::grid_flops_per_pair(D, components) + D * recon_bench::weight_flops);
   const double solved_bytes =
       static_cast<double>(nodes) *
       (static_cast<double>(per_node + components) * sizeof(T) + sizeof(recon::FitReport));

@@ -30,13 +30,19 @@ struct NodeWeights {
   }
   // Of xi = (x_p - x) / rho.
   RECON_DEVICE T weight_at(const std::array<T, D>& xi) const {
-    if (form == WeightForm::radial) {
-      T q2 = 0;
-      for (const T c : xi) q2 += c * c;
-      return factor(detail::square_root(q2));
+    const bool radial = form == WeightForm::radial;
+    const int factors = radial ? 1 : D;
+    T q[D], w[D];
+    T q2 = 0;
+    for (int d = 0; d < D; ++d) {
+      q[d] = xi[d] < T(0) ? -xi[d] : xi[d];
+      if (!(q[d] < T(1))) return 0;
+      q2 += xi[d] * xi[d];
     }
-    T product = 1;
-    for (const T c : xi) product *= factor(c < T(0) ? -c : c);
+    if (radial) q[0] = detail::square_root(q2);
+    weight.evaluate(q, w, static_cast<T*>(nullptr), factors);
+    T product = w[0];
+    for (int d = 1; d < factors; ++d) product *= w[d];
     return product;
   }
   // The rounding error of xi at a node.
@@ -45,13 +51,6 @@ struct NodeWeights {
     for (int d = 0; d < D; ++d) size = most_of(size, 1 + std::abs(x[d]) / rho[d]);
     return std::numeric_limits<T>::epsilon() * size;
   }
-
- private:
-  RECON_DEVICE T factor(T q) const {
-    T w = 0;
-    weight.evaluate(&q, &w, static_cast<T*>(nullptr), 1);
-    return w;
-  }
 };
 
 // Sums the moments of node after node: the number of particles, sum w xi^alpha as Monomials<D, 2 R>,
@@ -59,6 +58,8 @@ struct NodeWeights {
 template <int D, int R, class T>
 struct SumMoments {
   static constexpr int M = Monomials<D, 2 * R>::size, m = Monomials<D, R>::size, at_once = 3;
+  // As many components as a thread has registers for beside the moments.
+  static constexpr int with_first = R < 2 ? at_once : 0;
   CloudView<D, T> cloud;
   const std::uint32_t* order;
   NodeWeights<D, T> nodes;
@@ -71,14 +72,19 @@ struct SumMoments {
     nodes.place(node, x);
     T sums[1 + M];
     for (T& sum : sums) sum = 0;
-    gather(x, [&](const std::array<T, D>& xi, T w, std::uint32_t) {
+    T rights[at_once * m];
+    for (T& right : rights) right = 0;
+    const int first = least_of(with_first, field.components);
+    gather(x, [&](const std::array<T, D>& xi, T w, std::uint32_t place) {
       T terms[M];
       Monomials<D, 2 * R>::evaluate(xi, terms);
       sums[0] += w > nodes.least_weight ? T(1) : T(0);
       for (int a = 0; a < M; ++a) sums[1 + a] += w * terms[a];
+      add(place, w, terms, 0, first, rights);
     });
     for (int a = 0; a < 1 + M; ++a) out[a] = sums[a];
-    for (int c = 0; c < field.components; c += at_once)
+    for (int a = 0; a < first * m; ++a) out[1 + M + a] = rights[a];
+    for (int c = first; c < field.components; c += at_once)
       sum_components(x, c, least_of(at_once, field.components - c), out + 1 + M + c * m);
   }
 
@@ -88,15 +94,29 @@ struct SumMoments {
   RECON_DEVICE void gather(const T* x, const Use& use) const {
     if (cloud.count == 0) return;
     double half[D];
-    for (int d = 0; d < D; ++d) half[d] = static_cast<double>(nodes.rho[d]);
+    T per_rho[D];
+    for (int d = 0; d < D; ++d) {
+      half[d] = static_cast<double>(nodes.rho[d]);
+      per_rho[d] = 1 / nodes.rho[d];
+    }
     Around<D, T>(cloud, x).in_box(
         half, std::numeric_limits<double>::max(), [&](std::uint32_t place, T) {
           std::array<T, D> xi;
           for (int d = 0; d < D; ++d)
-            xi[d] = (cloud.x[std::size_t{place} * D + d] - x[d]) / nodes.rho[d];
+            xi[d] = (cloud.x[std::size_t{place} * D + d] - x[d]) * per_rho[d];
           const T w = nodes.weight_at(xi);
           if (w > T(0)) use(xi, w, place);
         });
+  }
+  // Adds w terms u of some components to their sums.
+  RECON_DEVICE void add(std::uint32_t place, T w, const T* terms, int first, int count,
+                        T* sums) const {
+    const T* const u = field.data + std::ptrdiff_t{order[place]} * field.point_stride;
+    for (int c = 0; c < at_once; ++c) {  // a fixed number: sums stay in registers
+      if (c >= count) continue;
+      const T own = w * u[(first + c) * field.component_stride];
+      for (int a = 0; a < m; ++a) sums[c * m + a] += own * terms[a];
+    }
   }
   RECON_DEVICE void sum_components(const T* x, int first, int count, T* out) const {
     T sums[at_once * m];
@@ -104,11 +124,7 @@ struct SumMoments {
     gather(x, [&](const std::array<T, D>& xi, T w, std::uint32_t place) {
       T terms[m];
       Monomials<D, R>::evaluate(xi, terms);
-      const T* const u = field.data + std::ptrdiff_t{order[place]} * field.point_stride;
-      for (int c = 0; c < count; ++c) {
-        const T own = w * u[(first + c) * field.component_stride];
-        for (int a = 0; a < m; ++a) sums[c * m + a] += own * terms[a];
-      }
+      add(place, w, terms, first, count, sums);
     });
     for (int a = 0; a < count * m; ++a) out[a] = sums[a];
   }
