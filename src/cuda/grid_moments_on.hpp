@@ -30,8 +30,6 @@ struct NodeWeights {
   }
   // Of xi = (x_p - x) / rho.
   RECON_DEVICE T weight_at(const std::array<T, D>& xi) const {
-    const bool radial = form == WeightForm::radial;
-    const int factors = radial ? 1 : D;
     T q[D], w[D];
     T q2 = 0;
     for (int d = 0; d < D; ++d) {
@@ -39,10 +37,14 @@ struct NodeWeights {
       if (!(q[d] < T(1))) return 0;
       q2 += xi[d] * xi[d];
     }
-    if (radial) q[0] = detail::square_root(q2);
-    weight.evaluate(q, w, static_cast<T*>(nullptr), factors);
+    if (form == WeightForm::radial) {
+      const T length = detail::square_root(q2);
+      weight.evaluate(&length, w, static_cast<T*>(nullptr), 1);
+      return w[0];
+    }
+    weight.evaluate(q, w, static_cast<T*>(nullptr), D);
     T product = w[0];
-    for (int d = 1; d < factors; ++d) product *= w[d];
+    for (int d = 1; d < D; ++d) product *= w[d];
     return product;
   }
   // The rounding error of xi at a node.
@@ -83,7 +85,7 @@ struct SumMoments {
       add(place, w, terms, 0, first, rights);
     });
     for (int a = 0; a < 1 + M; ++a) out[a] = sums[a];
-    for (int a = 0; a < first * m; ++a) out[1 + M + a] = rights[a];
+    put(rights, first, out + 1 + M);
     for (int c = first; c < field.components; c += at_once)
       sum_components(x, c, least_of(at_once, field.components - c), out + 1 + M + c * m);
   }
@@ -118,6 +120,10 @@ struct SumMoments {
       for (int a = 0; a < m; ++a) sums[c * m + a] += own * terms[a];
     }
   }
+  RECON_DEVICE static void put(const T* sums, int count, T* out) {
+    for (int c = 0; c < at_once; ++c)
+      for (int a = 0; a < m && c < count; ++a) out[c * m + a] = sums[c * m + a];
+  }
   RECON_DEVICE void sum_components(const T* x, int first, int count, T* out) const {
     T sums[at_once * m];
     for (T& sum : sums) sum = 0;
@@ -126,7 +132,7 @@ struct SumMoments {
       Monomials<D, R>::evaluate(xi, terms);
       add(place, w, terms, first, count, sums);
     });
-    for (int a = 0; a < count * m; ++a) out[a] = sums[a];
+    put(sums, count, out);
   }
 };
 
