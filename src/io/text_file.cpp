@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "recon/core/names.hpp"
+#include "recon/fields/utf8.hpp"
 
 namespace recon::detail {
 
@@ -372,11 +373,13 @@ std::string_view trim(std::string_view text) {
 }
 
 std::string quote(std::string_view text) {
-  constexpr std::size_t most = 60;
+  std::size_t most = 60;
+  const std::string known = to_utf8(text);
+  while (most < known.size() && (static_cast<unsigned char>(known[most]) & 0xC0) == 0x80) --most;
   std::string quoted = "'";
-  for (const char c : text.substr(0, most))
+  for (const char c : std::string_view(known).substr(0, most))
     quoted += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return quoted + (text.size() > most ? "...'" : "'");
+  return quoted + (known.size() > most ? "...'" : "'");
 }
 
 }  // namespace recon::detail

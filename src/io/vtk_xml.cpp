@@ -446,6 +446,7 @@ class XmlReader {
     } catch (const FileError& error) {
       fail(piece.tag.begin, "names a piece that cannot be read: " + std::string(error.what()));
     }
+    if (!bytes.starts_with('<')) fail(piece.tag.begin, "names a piece that is no XML file of VTK");
     VtkPoints more = XmlReader(bytes, path, {}).read();
     require_room(piece, more.points.size() / 3);
     require_new(piece, path);
@@ -460,7 +461,8 @@ class XmlReader {
   }
   // No file is a piece twice.
   void require_new(const Piece& piece, const std::filesystem::path& path) {
-    if (!files_.insert(path.lexically_normal()).second)
+    std::error_code none;
+    if (!files_.insert(std::filesystem::weakly_canonical(path, none)).second)
       fail(piece.tag.begin, "names the piece " + quote(piece.tag["Source"]) + " again");
   }
   // All pieces are of one time and step, where they say which.

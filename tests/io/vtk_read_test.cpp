@@ -150,6 +150,12 @@ TEST(ReadVtk, PointsInSeveralFiles) {
   expect("the piece is of the time 0.25, and what was read before it of 0.5");
   recon::write_pvtp(all, 2, {"a_0.vtp", "a_1.vtp", "./a_0.vtp"}, fields);
   expect("names the piece './a_0.vtp' again");
+  std::filesystem::create_symlink("a_0.vtp", folder.path() / "link.vtp");
+  recon::write_pvtp(all, 2, {"a_0.vtp", "link.vtp"}, fields);
+  expect("names the piece 'link.vtp' again");
+  recon::write_pvtp(all, 2, {"a_0.vtp", "no.vtp"}, fields);
+  std::ofstream(folder.path() / "no.vtp") << "\x89HDF\r\n";
+  expect("names a piece that is no XML file of VTK");
   recon::FieldSet more = fields;
   more.add("volume", 1, {1});
   recon::write_pvtp(all, 2, {"a_0.vtp", "a_1.vtp"}, more);

@@ -119,6 +119,55 @@ TEST_F(MapOnRanks, PiecesOfMoreRanksAreNotLeft) {
   EXPECT_TRUE(exists("v_9.vti"));
 }
 
+// A piece that cannot take its place leaves the map of before whole.
+TEST_F(MapOnRanks, AllPiecesAreWrittenOrNone) {
+  const std::string arguments = "map \"$CHUTE\" --spacing 4 --k 20 --quiet --out v.pvti --fields ";
+  EXPECT_EQ(on(2, arguments + "vx" + on_all).code, 0);
+  const std::string before = read("v_0.vti");
+  std::filesystem::remove(folder() / "v_1.vti");
+  std::filesystem::create_directory(folder() / "v_1.vti");
+  expect_one_message(2, arguments + "vy" + on_all, 3,
+                     HasSubstr("rank 1: v_1.vti: only an ordinary"));
+  EXPECT_EQ(read("v_0.vti"), before);
+}
+
+TEST_F(MapOnRanks, AllSeeTheSameFileAndFolder) {
+  std::filesystem::create_directory(folder() / "0");
+  std::filesystem::create_directory(folder() / "1");
+  const auto each = [&](const std::string& out) {
+    return shell(
+        "exec env " RECON_MPIRUN " 2 sh -c 'cd $OMPI_COMM_WORLD_RANK && exec \"" + program() +
+        "\" map a.csv --fields v --spacing 4 --radius 3 --max-distance none --quiet --out " + out +
+        "'");
+  };
+  if (shell("exec env " RECON_MPIRUN " 1 sh -c 'test -n \"$OMPI_COMM_WORLD_RANK\"'").code != 0)
+    GTEST_SKIP() << "this mpirun does not say which rank it starts as OpenMPI does";
+  for (const char* name : {"0/a.csv", "1/a.csv"})
+    write_rows(name, [&](int i) { return place(i) + ",7," + std::string(name, 1); });
+  Outcome outcome = each("../v.pvti");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("recon: a.csv: is another file for some ranks"));
+  write("1/a.csv", read("0/a.csv"));
+  EXPECT_EQ(each("../v.pvti").code, 0);
+  outcome = each("v.pvti");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("v.pvti: of 2 pieces 1 are beside it"));
+  for (const char* name : {"0/v.pvti", "0/v_0.vti", "0/v_0.vti.part", "1/v_1.vti"})
+    EXPECT_FALSE(exists(name)) << name;
+}
+
+// A column that holds text in a part is no field for anybody.
+TEST_F(MapOnRanks, AllFieldsAreThoseOfOneProcess) {
+  std::string text = "x,y,u,v\n";
+  for (int i = 0; i < 1024; ++i)
+    text += place(i) + "," + (i == 300 ? "oh" : "1") + "," + std::to_string(i % 3) + "\n";
+  write("text.csv", text);
+  expect_as_one("text.csv --fields all --spacing 4 --radius 3" + std::string(on_all), {2});
+  EXPECT_FALSE(table("one.vti").has("u"));
+  expect_failure("map text.csv --fields v --spacing 4 --out v.pvti", 1,
+                 HasSubstr("several ranks write pieces"));
+}
+
 TEST_F(MapOnRanks, SaysWhatNeedsAllParticlesAtOnce) {
   expect_one_message(2, "map \"$CHUTE\" --fields vx --out v.pvti", 1,
                      HasSubstr("on 2 ranks say also --spacing H, --radius R (or --k K) and "

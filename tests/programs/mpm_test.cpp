@@ -139,6 +139,17 @@ TEST_F(MpmProgram, ASignalBeforeTheRunIsNotLost) {
   EXPECT_FALSE(exists("out"));
 }
 
+// timeout tells a process and then its group.
+TEST_F(MpmProgram, ASignalThatComesTwiceAtOnceIsOne) {
+  write("still.toml", still);
+  const Outcome stopped = shell(
+      "'" + program() +
+      "' run still.toml --quiet --out out --set end=1e7 & p=$!; while kill -0 $p && ! test -e "
+      "out/checkpoint.h5; do sleep 0.05; done; kill -USR1 $p; kill -USR1 $p; wait $p");
+  EXPECT_EQ(stopped.code, 128 + SIGUSR1);
+  EXPECT_THAT(stopped.err, HasSubstr("--restart out/checkpoint.h5"));
+}
+
 // Several copies that cannot be ranks of one run, as the program knows no ranks or another MPI has
 // started them, would write the same files: one of them says so.
 TEST_F(MpmProgram, CopiesThatAreNoRanksAreRefused) {

@@ -153,7 +153,9 @@ void require_distinct(const FieldPlan& plan) {
 Names mappable_columns(const Particles& particles) {
   Names columns;
   for (const std::string& name : particles.table.names())
-    if (!is_label(name) && !contains(particles.axes, name)) columns.push_back(name);
+    if (!is_label(name) && !contains(particles.axes, name) &&
+        !contains(particles.text_elsewhere, name))
+      columns.push_back(name);
   return columns;
 }
 

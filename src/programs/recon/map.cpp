@@ -21,6 +21,11 @@ void run(const MapOptions& options, const Launch& launch) {
     method = read_method(options.method, options.fit);
   });
   if (launch.has_ranks()) return map_on_ranks(options, method, launch);
+  for (const std::string& out : options.outputs)
+    if (out.ends_with(".pvti"))
+      fail_usage("--out " + out +
+                 ": several ranks write pieces and a file that names them, and this is one "
+                 "process: name a .vti file");
   check_options(options);
   if (options.average) return map_average(options, method);
   if (is_series(options.input)) return map_series(options, method);

@@ -3,18 +3,16 @@
 #ifdef RECON_PROGRAMS_HAVE_RANKS
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
 
 #include "frames.hpp"
 #include "outputs.hpp"
+#include "piece_files.hpp"
 #include "programs/common/errors.hpp"
 #include "programs/common/started.hpp"
 #include "programs/common/text.hpp"
@@ -68,6 +66,7 @@ void require_possible(const MapOptions& options, const std::string& ranks) {
   if (options.targets != "grid") beyond.push_back("--targets");
   if (!options.picture.file.empty()) beyond.push_back("--picture");
   if (options.json) beyond.push_back("--json");
+  if (options.input.file == "-") beyond.push_back("the standard input");
   if (options.fit.unsupported == "nearest") beyond.push_back("--unsupported nearest");
   if (!beyond.empty())
     fail_usage(enumeration(beyond) + " is for one process; this one was started with others, on " +
@@ -140,6 +139,18 @@ void bring_home(const petsc::Communicator& ranks, const StructuredGrid<double>& 
   particles.table = std::move(home);
 }
 
+// Columns that hold text in some of the parts.
+std::vector<std::string> text_in_some_parts(const Everyone& ranks, const ParticleTable& table) {
+  const std::vector<std::string> here = table.text_columns();
+  std::vector<std::string> all = table.names(), found;
+  all.insert(all.end(), here.begin(), here.end());
+  std::sort(all.begin(), all.end());
+  for (const std::string& name : all)
+    if (ranks.sum(std::find(here.begin(), here.end(), name) != here.end() ? 1 : 0) > 0)
+      found.push_back(name);
+  return found;
+}
+
 // Nodes of a piece, the first axis fastest, as the whole grid has them to the bit.
 struct PieceNodes {
   std::array<std::vector<double>, max_dimension> x;
@@ -193,26 +204,6 @@ FieldRange of_all(const Everyone& ranks, const NamedField& field, int component,
   return {ranks.least(range.least), ranks.greatest(range.greatest), ranks.sum(range.missing)};
 }
 
-fs::path piece_name(const fs::path& out, int rank) {
-  return out.stem().string() + "_" + std::to_string(rank) + ".vti";
-}
-
-// The pieces that an earlier run on ranks has named in this file.
-std::vector<fs::path> pieces_of(const fs::path& out) {
-  std::ifstream file(out);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::string begin = "Source=\"" + out.stem().string() + "_";
-  std::vector<fs::path> pieces;
-  for (std::size_t at = 0; (at = text.find(begin, at)) != std::string::npos;) {
-    at += begin.size();
-    int rank = 0;
-    const auto read = std::from_chars(&text[at], text.data() + text.size(), rank);
-    if (read.ec == std::errc() && std::string_view(read.ptr).starts_with(".vti\""))
-      pieces.push_back(out.parent_path() / piece_name(out, rank));
-  }
-  return pieces;
-}
-
 }  // namespace
 
 void map_on_ranks(const MapOptions& options, const Method& method, const Launch& launch) {
@@ -223,6 +214,7 @@ void map_on_ranks(const MapOptions& options, const Method& method, const Launch&
   ranks.together([&] {
     if (ranks.rank() == 0) check_files(options.outputs, inputs_of(options));
   });
+  const PieceFiles files(out, ranks);
 
   ParticleTable read;
   ranks.together([&] {
@@ -231,7 +223,9 @@ void map_on_ranks(const MapOptions& options, const Method& method, const Launch&
     how.parts = ranks.size();
     read = with_exit_code(wrong_input, [&] { return read_source(options.input.file, how); });
   });
+  require_same_input(ranks, options.input.file);
   Particles particles = make_particles(std::move(read), options.input, ranks);
+  particles.text_elsewhere = text_in_some_parts(ranks, particles.table);
   ranks.together([&] { check_weight_by(options.fit, particles); });
   FieldPlan plan;
   ranks.together([&] { plan = plan_fields(particles, options.fields, options.components); });
@@ -305,42 +299,18 @@ void map_on_ranks(const MapOptions& options, const Method& method, const Launch&
       fields.data() ? static_cast<std::size_t>(fields.data()->components) : 0;
   const Mapped mapped = fields.result(method.solver);
 
-  // Pieces take their names when all of them are written, and then the file that lists them.
-  const fs::path piece = out.parent_path() / piece_name(out, ranks.rank());
-  const fs::path unfinished = piece.string() + ".part";
-  const bool any = slab.begin < slab.end;
-  const auto on_disk = [&](const auto& work) {
-    ranks.together([&] { with_exit_code(no_output, work); });
-  };
-  try {
-    on_disk([&] {
-      if (any)
-        write_vti_piece(unfinished, grid, slab.piece(grid, slab.begin, slab.shown), mapped.fields);
-    });
-  } catch (const ProgramError&) {
-    std::error_code ignored;
-    fs::remove(unfinished, ignored);
-    throw;
-  }
-  on_disk([&] {
-    std::error_code error;
-    if (any) fs::rename(unfinished, piece, error);
-    if (error) throw FileError(piece, 0, "cannot be written: " + error.message());
-  });
-  on_disk([&] {
-    if (ranks.rank() > 0) return;
-    std::vector<GridPieceFile> pieces;
-    std::vector<fs::path> left = pieces_of(out);
-    for (int rank = 0; rank < ranks.size(); ++rank)
-      if (const Slab its(grid, rank, ranks.size()); its.begin < its.end) {
-        pieces.push_back({its.piece(grid, its.begin, its.shown), piece_name(out, rank)});
-        std::erase(left, out.parent_path() / piece_name(out, rank));
-      }
-    write_pvti(out, grid, pieces, mapped.fields);
-    // What more ranks have left is named no more.
-    std::error_code ignored;
-    for (const fs::path& each : left) fs::remove(each, ignored);
-  });
+  files.write(
+      slab.begin < slab.end,
+      [&](const fs::path& piece) {
+        write_vti_piece(piece, grid, slab.piece(grid, slab.begin, slab.shown), mapped.fields);
+      },
+      [&] {
+        std::vector<GridPieceFile> pieces;
+        for (int rank = 0; rank < ranks.size(); ++rank)
+          if (const Slab its(grid, rank, ranks.size()); its.begin < its.end)
+            pieces.push_back({its.piece(grid, its.begin, its.shown), piece_name(out, rank)});
+        write_pvti(out, grid, pieces, mapped.fields);
+      });
 
   std::vector<FitReport> own;
   LimitCount limited;

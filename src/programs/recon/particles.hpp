@@ -50,6 +50,7 @@ struct Particles {
   // all of them.
   const Everyone* everyone = &Everyone::alone();
   std::size_t in_all = 0;
+  std::vector<std::string> text_elsewhere;  // columns that hold text in parts of others
   int dimension = 0;
   std::vector<std::string> axes;  // names of the coordinate columns
   std::string letters;            // "xz": which of x, y, z each of them is, for derived names
