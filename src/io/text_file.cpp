@@ -374,7 +374,7 @@ std::string_view trim(std::string_view text) {
 
 std::string quote(std::string_view text) {
   std::size_t most = 60;
-  const std::string known = to_utf8(text);
+  const std::string known = recon::to_utf8(text);
   while (most < known.size() && (static_cast<unsigned char>(known[most]) & 0xC0) == 0x80) --most;
   std::string quoted = "'";
   for (const char c : std::string_view(known).substr(0, most))
