@@ -27,7 +27,10 @@ class Launch {
   void together(const std::function<void()>& work) const;
   // The largest of a number of each rank.
   int largest(int number) const;
-  // mpm::run(), on all ranks where there are some.
+  // Ends the program where a run cannot be on this device: on ranks, in a program that was built
+  // without CUDA, where there is no GPU.
+  void require_device(mpm::RunDevice device) const;
+  // mpm::run(), on all ranks where there are some, or on a GPU where the problem says so.
   template <int D>
   mpm::RunResult run(mpm::ProblemFile<D>&& problem, const mpm::RunOptions& options) const;
 
