@@ -27,7 +27,7 @@ function(recon_add_cuda_library name room)
   add_library(recon::${room} ALIAS ${name})
   set_target_properties(${name} PROPERTIES EXPORT_NAME ${room} CUDA_STANDARD 20 CUDA_RUNTIME_LIBRARY None)
   target_compile_features(${name} PUBLIC cxx_std_20)
-  target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr;-Werror;all-warnings>)
+  target_compile_options(${name} PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr;-Werror;all-warnings>")
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   install(TARGETS ${name} EXPORT reconTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
