@@ -314,6 +314,16 @@ TEST(GpuStep, SaysWhichParticleCannotGoOn) {
         problem.particles.v[p] = -20 * (problem.particles.x[p] - Vector<2>(0.5, 0.5));
       if (stress != StressUpdate::first) expect(problem, 0.06, true);
     }
+  // The first row leaves the grid and the last one is turned inside out, in one block of the loop
+  // over particles, where all are strained first, or in two; and the other way round.
+  for (const int cells : {16, 40})
+    for (const double speed : {-100.0, 100.0}) {
+      Problem<2> problem = block<2>(cells, 0.25, 0.75, "mpm");
+      const std::size_t count = problem.particles.size(), row = static_cast<std::size_t>(cells);
+      for (std::size_t p = 0; p < count; ++p)
+        if (p < row || p >= count - row) problem.particles.v[p] = {0, speed};
+      expect(problem, 0.01, cells == 16 || speed > 0);
+    }
 }
 
 }  // namespace
