@@ -1,5 +1,5 @@
-# recon::cuda, reconstruction in the memory of a GPU: the library recon_cuda, compiled by nvcc 12 or newer. The host's part
-# of it is compiled by the same C++ compiler as all else. CMAKE_CUDA_ARCHITECTURES says for which GPUs (90 by default).
+# recon::cuda, reconstruction in the memory of a GPU, and recon::gpu, runs there: libraries compiled by nvcc 12 or newer. The host's part
+# of them is compiled by the same C++ compiler as all else. CMAKE_CUDA_ARCHITECTURES says for which GPUs (90 by default).
 include(CheckLanguage)
 check_language(CUDA)
 if(NOT CMAKE_CUDA_COMPILER)
@@ -20,16 +20,20 @@ if(CMAKE_CUDA_COMPILER_VERSION VERSION_LESS 12)
   message(FATAL_ERROR "recon: nvcc ${CMAKE_CUDA_COMPILER_VERSION} was found; recon::cuda needs 12 or newer")
 endif()
 
-file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/cuda/*.cu)
-add_library(recon_cuda STATIC ${sources})
-add_library(recon::cuda ALIAS recon_cuda)
-set_target_properties(recon_cuda PROPERTIES EXPORT_NAME cuda CUDA_STANDARD 20 CUDA_RUNTIME_LIBRARY None)
-target_compile_features(recon_cuda PUBLIC cxx_std_20)
-target_compile_options(recon_cuda PRIVATE --expt-relaxed-constexpr -Werror all-warnings)
-target_include_directories(recon_cuda PRIVATE ${PROJECT_SOURCE_DIR}/src)
+# recon_add_cuda_library(name room): the static library `name`, exported as recon::<room>, of the room's .cu files.
+function(recon_add_cuda_library name room)
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${room}/*.cu)
+  add_library(${name} STATIC ${sources})
+  add_library(recon::${room} ALIAS ${name})
+  set_target_properties(${name} PROPERTIES EXPORT_NAME ${room} CUDA_STANDARD 20 CUDA_RUNTIME_LIBRARY None)
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  target_compile_options(${name} PRIVATE "$<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr;-Werror;all-warnings>")
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  install(TARGETS ${name} EXPORT reconTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+endfunction()
+recon_add_cuda_library(recon_cuda cuda)
 target_link_libraries(recon_cuda PUBLIC recon CUDA::cudart_static)
-install(TARGETS recon_cuda EXPORT reconTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 
 # recon-gpu, which checks and times it (bench/run_gpu): one file that needs nothing but a driver.
 add_executable(recon_gpu EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/bench/gpu/recon_gpu.cpp)

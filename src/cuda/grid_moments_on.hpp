@@ -267,6 +267,8 @@ class GridMomentsOn {
   int per_node() const { return per_node_; }
   T* values() { return values_.data(); }
   const FitReport* reports() const { return reports_.data(); }
+  const NodeWeights<D, T>& weights() const { return nodes_; }
+  const FitTolerances& tolerances() const { return tolerances_; }
 
  private:
   std::shared_ptr<Sources> sources_;

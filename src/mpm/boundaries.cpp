@@ -100,21 +100,33 @@ void BoundaryPolicy<D>::rest(const Nodes<D>& nodes, std::vector<Vector<D>>& velo
 template <int D>
 void BoundaryPolicy<D>::keep_inside(std::size_t begin, std::size_t end, State<D>& s) const {
   const Grid<D>& grid = this->problem_.grid;
-  const double margin = 1e-3 * grid.h();  // that a particle is put back
   const bool images = this->problem_.has_images();
   for (std::size_t p = begin; p < end; ++p) {
     Vector<D>& x = s.particles.x[p];
     for (const Wall& wall : walls_) {
       double& along = x[wall.axis];
       const double face = wall.upper ? grid.upper(wall.axis) : grid.lower()[wall.axis];
-      const double beyond = wall.upper ? along - face : face - along;
-      if (beyond > 0 && beyond < margin && wall.boundary->covers(x, 0)) along = face;
+      if (passes_by_a_hair(along, face, wall.upper, grid.h()) && wall.boundary->covers(x, 0))
+        along = face;
     }
-    if (!x.allFinite()) throw Failure(s.steps, "particle", p, "its position is not finite");
+    if (!x.allFinite()) throw off_grid<D>(s.steps, p, x);
     if (images) keep_in_room(p, s);
     if (grid.contains(x)) continue;
-    throw Failure(s.steps, "particle", p, "it left the grid at " + recon::detail::brief_place(x));
+    throw off_grid<D>(s.steps, p, x);
   }
+}
+
+template <int D>
+Failure off_grid(std::int64_t step, std::size_t p, const Vector<D>& x) {
+  if (!x.allFinite()) return {step, "particle", p, "its position is not finite"};
+  return {step, "particle", p, "it left the grid at " + recon::detail::brief_place(x)};
+}
+
+template <int D>
+std::vector<const Boundary<D>*> BoundaryPolicy<D>::walls() const {
+  std::vector<const Boundary<D>*> all;
+  for (const Wall& wall : walls_) all.push_back(wall.boundary);
+  return all;
 }
 
 template <int D>
@@ -139,8 +151,10 @@ void BoundaryPolicy<D>::keep_in_room(std::size_t p, State<D>& s) const {
   }
 }
 
-template class BoundaryPolicy<1>;
-template class BoundaryPolicy<2>;
-template class BoundaryPolicy<3>;
+#define RECON_INSTANTIATE(D)        \
+  template class BoundaryPolicy<D>; \
+  template Failure off_grid(std::int64_t, std::size_t, const Vector<D>&);
+RECON_DIMENSIONS(RECON_INSTANTIATE)
+#undef RECON_INSTANTIATE
 
 }  // namespace recon::mpm

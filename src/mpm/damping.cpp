@@ -9,11 +9,8 @@ void DampingPolicy<D>::slow(const BoundaryPolicy<D>& boundaries, Nodes<D>& nodes
   if (!damping.any()) return;
   nodes.damping.resize(nodes.mass.size());
   for (std::size_t i = 0; i < nodes.mass.size(); ++i)
-    for (int d = 0; d < D; ++d) {
-      const double v = nodes.mapped[i][d], against = v > 0 ? -1 : v < 0 ? 1 : 0;
-      nodes.damping[i][d] =
-          against * damping.local * std::abs(nodes.acceleration[i][d]) - damping.mass * v;
-    }
+    for (int d = 0; d < D; ++d)
+      nodes.damping[i][d] = damping_of(damping, nodes.mapped[i][d], nodes.acceleration[i][d]);
   boundaries.rest(nodes, nodes.damping);
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) nodes.acceleration[i] += nodes.damping[i];
 }

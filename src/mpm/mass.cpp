@@ -66,17 +66,13 @@ class ConsistentMass : public MassPolicy<D> {
 template <int D>
 void MassPolicy<D>::accelerate(const State<D>&, const FromParticles&, const BoundaryPolicy<D>&,
                                Nodes<D>& nodes) const {
-  const double lightest = lightest_node * nodes.heaviest();
+  const double heaviest = nodes.heaviest();
   nodes.mapped.resize(nodes.mass.size());
   nodes.acceleration.resize(nodes.mass.size());
-  for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
-    nodes.mapped[i].setZero();
-    nodes.acceleration[i].setZero();
-    if (nodes.mass[i] == 0) continue;
-    nodes.mapped[i] = nodes.momentum[i] / nodes.mass[i];
-    nodes.acceleration[i] = this->problem_.gravity;
-    if (std::abs(nodes.mass[i]) > lightest) nodes.acceleration[i] += nodes.force[i] / nodes.mass[i];
-  }
+  for (std::size_t i = 0; i < nodes.mass.size(); ++i)
+    move_node<D>(nodes.mass[i], nodes.momentum[i].data(), nodes.force[i].data(),
+                 this->problem_.gravity.data(), heaviest, nodes.mapped[i].data(),
+                 nodes.acceleration[i].data());
 }
 
 template <int D>

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "core/flatten.hpp"
+#include "mpm/pointwise.hpp"
 #include "recon/core/parallel.hpp"
 #include "recon/mpm/step.hpp"
 #include "recon/transfer/images.hpp"
@@ -15,7 +16,6 @@
 namespace recon::mpm {
 
 constexpr std::size_t particles_per_block = 1024, nodes_per_block = 4096;
-constexpr double lightest_node = 1e-10;  // of the heaviest: lighter ones do not feel forces
 
 // What particles give to the nodes themselves; the rest is the quadrature's.
 struct FromParticles {
@@ -89,6 +89,8 @@ class BoundaryPolicy : public Policy<D> {
   // Failure for a particle that is not in the grid then, and for one that is more than half a cell
   // beyond a boundary with images.
   void keep_inside(std::size_t begin, std::size_t end, State<D>& s) const;
+  // The boundaries that are walls: faces of the grid whose nodes have no normal velocity.
+  std::vector<const Boundary<D>*> walls() const;
 
  private:
   // A face of the grid whose nodes have no normal velocity.
@@ -177,6 +179,11 @@ void strain(const Problem<D>& problem, std::size_t begin, std::size_t end, doubl
 template <int D>
 void strain_to(const Problem<D>& problem, std::size_t begin, std::size_t end, double dt,
                State<D>& s);
+
+// What is wrong with a particle of this det F, and with one at a place that is not in the grid.
+Failure turned_inside_out(std::int64_t step, std::size_t p, double det_F);
+template <int D>
+Failure off_grid(std::int64_t step, std::size_t p, const Vector<D>& x);
 
 // The way back: v_p, x_p, L_p and what follows from L.
 template <int D>

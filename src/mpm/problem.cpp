@@ -5,6 +5,7 @@
 
 #include "core/entries.hpp"
 #include "mpm/modes.hpp"
+#include "mpm/pointwise.hpp"
 
 namespace recon::mpm {
 
@@ -274,11 +275,8 @@ TimeStep choose_step(const Problem<D>& problem, const Particles<D>& particles) {
   TimeStep slowest{std::numeric_limits<double>::infinity(), 0};
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const Lame& elastic = lame(problem.materials[particles.body[p]]);
-    const double reference = particles.mass[p] / particles.volume0[p];
-    const double speed = time.rule == StepRule::adaptive
-                             ? elastic.p_wave_speed(particles.density(p)) + particles.v[p].norm()
-                         : time.rule == StepRule::p_wave ? elastic.p_wave_speed(reference)
-                                                         : elastic.bar_wave_speed(reference);
+    const double speed = fastest(time.rule, elastic, particles.mass[p], particles.volume0[p],
+                                 particles.F[p].determinant(), particles.v[p].norm());
     const double dt = courant * problem.grid.h() / speed;
     if (dt < slowest.dt) slowest = {dt, p};
   }

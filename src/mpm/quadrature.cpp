@@ -7,6 +7,7 @@
 // depends on how particles are spread over cells. For taylor_cells and gauss_cells the particles
 // are the points of quadrature in all cells but those that count as full.
 #include "core/counting_sort.hpp"
+#include "mpm/cellwise.hpp"
 #include "mpm/policies.hpp"
 #include "recon/grid/reconstruct_on_grid.hpp"
 #include "recon/transfer/cell_polynomial.hpp"
@@ -220,11 +221,9 @@ class CellQuadrature : public QuadraturePolicy<D> {
         sums_in_cells(grid, giving.places, [&](std::size_t p) { return giving.volumes[p]; });
     part.assign(volume.size(), 0);
     for (std::size_t c = 0; c < volume.size(); ++c) {
-      if (!(volume[c] > 0)) continue;
-      if (is_inside(grid, volume, c))
-        part[c] = 1;
-      else if (is_cell(this->problem_.method.quadrature))
-        part[c] = std::min(1.0, volume[c] / std::pow(grid.h(), D));
+      const bool inside = volume[c] > 0 && is_inside(grid, volume, c);
+      if (inside || is_cell(this->problem_.method.quadrature))
+        part[c] = part_that_counts(volume[c], inside, std::pow(grid.h(), D));
     }
   }
 

@@ -4,13 +4,16 @@
 
 namespace recon::mpm {
 
+Failure turned_inside_out(std::int64_t step, std::size_t p, double det_F) {
+  return {step, "particle", p,
+          "its volume is no longer positive (det F = " + recon::detail::brief(det_F) + ")"};
+}
+
 template <int D>
 void strain(const Problem<D>& problem, std::size_t begin, std::size_t end, double dt, State<D>& s) {
   Particles<D>& particles = s.particles;
-  for (std::size_t p = begin; p < end; ++p) {
-    const Matrix<D> before = particles.F[p];
-    particles.F[p] = (Matrix<D>::Identity() + dt * particles.L[p]) * before;
-  }
+  for (std::size_t p = begin; p < end; ++p)
+    particles.F[p] = deformed(particles.F[p], particles.L[p], dt);
   strain_to(problem, begin, end, dt, s);
 }
 
@@ -21,22 +24,15 @@ void strain_to(const Problem<D>& problem, std::size_t begin, std::size_t end, do
   const std::size_t history = particles.history.size() / particles.size();
   for (std::size_t p = begin; p < end; ++p)
     if (!(particles.F[p].determinant() > 0))
-      throw Failure(s.steps, "particle", p,
-                    "its volume is no longer positive (det F = " +
-                        recon::detail::brief(particles.F[p].determinant()) + ")");
+      throw turned_inside_out(s.steps, p, particles.F[p].determinant());
   // The particles of a body stand together: its material is asked for all of them.
   for (std::size_t p = begin; p < end;) {
     const std::int32_t body = particles.body[p];
-    const auto update = [&]<class M>(const M& material) {
-      for (; p < end && particles.body[p] == body; ++p) {
-        double density = particles.energy[p] / particles.volume0[p];
-        if constexpr (history_of<M>() > 0)
-          material.update(particles.F[p], particles.L[p], dt, particles.stress[p], density,
-                          &particles.history[p * history]);
-        else
-          material.update(particles.F[p], particles.L[p], dt, particles.stress[p], density);
-        particles.energy[p] = density * particles.volume0[p];
-      }
+    const auto update = [&](const auto& material) {
+      for (; p < end && particles.body[p] == body; ++p)
+        strain_particle(material, particles.F[p], particles.L[p], dt, particles.volume0[p],
+                        particles.stress[p], particles.energy[p],
+                        particles.history.data() + p * history);
     };
     std::visit(update, problem.materials[static_cast<std::size_t>(body)]);
   }

@@ -6,9 +6,6 @@
 namespace recon::mpm {
 namespace {
 
-constexpr double light_node = 0.1;     // of the heaviest
-constexpr double most_strained = 0.5;  // k dt K / m of a light node
-
 // What the particles of a step take from the nodes: v_p and what they carry beyond it, L and what
 // follows from it, x.
 struct Parts {
@@ -94,13 +91,8 @@ void take(const Problem<D>& problem, const Policies<D>& policies, const Nodes<D>
       for (std::size_t r = 0; r < modes && with_modes; ++r) own[r] /= 1 + more;
     }
     if (parts.strain) particles.L[p] = seen.L;
-    if (parts.velocity) {
-      if (pic < 1) particles.v[p] += from.kick * seen.a;
-      if (pic == 1)
-        particles.v[p] = seen.v;
-      else if (pic > 0)
-        particles.v[p] += pic * (seen.v - particles.v[p]);
-    }
+    if (parts.velocity)
+      kick_particle<D>(pic, from.kick, seen.v.data(), seen.a.data(), particles.v[p].data());
     if (!parts.position) return;
     const Vector<D> place = particles.x[p];
     // Of a place beside the particle.
@@ -191,14 +183,11 @@ class SingleMap : public UpdatePolicy<D> {
     if (nodes.stiffness.empty()) return velocity;
     const double heaviest = nodes.heaviest();
     for (std::size_t i = 0; i < nodes.stiffness.size(); ++i) {
-      const double mass = std::abs(nodes.mass[i]);
-      const double strained = kick * dt * nodes.stiffness[i];
-      const bool feels_forces = mass > lightest_node * heaviest;
-      if (!feels_forces || mass > light_node * heaviest || strained <= most_strained * mass)
-        continue;
+      const double left_out =
+          left_out_of_strain(nodes.mass[i], nodes.stiffness[i], kick, dt, heaviest);
+      if (left_out == 0) continue;
       if (velocity.empty()) velocity = nodes.velocity;
-      velocity[i] -=
-          (1 - most_strained * mass / strained) * kick / nodes.mass[i] * nodes.internal[i];
+      velocity[i] -= left_out * nodes.internal[i];
     }
     if (!velocity.empty()) step.policies().boundaries.give(after, nodes, velocity);
     return velocity;

@@ -151,6 +151,7 @@ std::optional<Spread> OnRanks<D>::spread() const {
 
 template <int D>
 RunResult run(const petsc::Communicator& ranks, ProblemFile<D> file, const RunOptions& options) {
+  require_on_processor(file);
   RunResult result;
   if (ranks.size() == 1) {
     const std::size_t all = file.problem.particles.size();

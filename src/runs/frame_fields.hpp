@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "recon/fields/field_set.hpp"
+#include "recon/runs/frames.hpp"
 #include "recon/runs/view.hpp"
 
 namespace recon::mpm {
@@ -19,6 +20,11 @@ FieldSet node_frame(const View<D>& view);
 bool has_cell_frame(const Method& method);
 template <int D>
 FieldSet cell_frame(const View<D>& view);
+
+// write_frame() (frames.hpp) of a view of one whole.
+template <int D>
+void write_frame_of(const std::filesystem::path& folder, const std::string& name,
+                    const View<D>& view, std::vector<double>& times, const FrameOptions& options);
 
 // NAME_kind_0007.ext, or of one of several pieces NAME_kind_0007_2.ext.
 std::string frame_file(const std::string& name, const char* kind, std::size_t number,

@@ -210,18 +210,23 @@ template <int D>
 void write_frame(const std::filesystem::path& folder, const std::string& name,
                  const Simulation<D>& simulation, std::vector<double>& times,
                  const FrameOptions& options) {
-  const View<D> view(simulation);
-  const StructuredGrid<double>& grid = simulation.problem().grid.nodes();
-  const bool with_cells = has_cell_frame(simulation.problem().method);
+  write_frame_of(folder, name, View<D>(simulation), times, options);
+}
+
+template <int D>
+void write_frame_of(const std::filesystem::path& folder, const std::string& name,
+                    const View<D>& view, std::vector<double>& times, const FrameOptions& options) {
+  const StructuredGrid<double>& grid = view.problem().grid.nodes();
+  const bool with_cells = has_cell_frame(view.problem().method);
   const auto file = [&](const char* kind, const char* extension) {
     return folder / frame_file(name, kind, times.size(), extension);
   };
   view.require_mapped("frame");
-  write_vtp(file("particles", ".vtp"), points_of(simulation.particles().x),
+  write_vtp(file("particles", ".vtp"), points_of(view.particles().x),
             particle_frame(view, options.fields));
   write_vti(file("nodes", ".vti"), grid, node_frame(view));
   if (with_cells) write_vti(file("cells", ".vti"), cell_centres(grid), cell_frame(view));
-  times.push_back(simulation.time());
+  times.push_back(view.state().time);
   const auto list = [&](const char* kind, const char* extension) {
     write_frame_list(folder, name, kind, extension, times, options.first_listed);
   };
@@ -230,12 +235,14 @@ void write_frame(const std::filesystem::path& folder, const std::string& name,
   if (with_cells) list("cells", ".vti");
 }
 
-#define RECON_INSTANTIATE(D)                                                         \
-  template FieldSet particle_frame(const View<D>&, const std::vector<std::string>&); \
-  template FieldSet node_frame(const View<D>&);                                      \
-  template FieldSet cell_frame(const View<D>&);                                      \
-  template void write_frame(const std::filesystem::path&, const std::string&,        \
-                            const Simulation<D>&, std::vector<double>&, const FrameOptions&);
+#define RECON_INSTANTIATE(D)                                                                     \
+  template FieldSet particle_frame(const View<D>&, const std::vector<std::string>&);             \
+  template FieldSet node_frame(const View<D>&);                                                  \
+  template FieldSet cell_frame(const View<D>&);                                                  \
+  template void write_frame(const std::filesystem::path&, const std::string&,                    \
+                            const Simulation<D>&, std::vector<double>&, const FrameOptions&);    \
+  template void write_frame_of(const std::filesystem::path&, const std::string&, const View<D>&, \
+                               std::vector<double>&, const FrameOptions&);
 RECON_INSTANTIATE(1)
 RECON_INSTANTIATE(2)
 RECON_INSTANTIATE(3)

@@ -20,6 +20,7 @@ constexpr double safe_part_of_step = 0.8;
 const KnownKeys fixed_keys{
     {"title",
      "threads",
+     "device",
      "grid.lower",
      "grid.upper",
      "grid.cells",
@@ -234,6 +235,7 @@ ProblemFile<D> read(const std::filesystem::path& path, const toml::table& root) 
   Problem<D>& problem = reader.problem();
   if (file.has("title")) reader.out().title = file.text("title");
   problem.threads = file.integer("threads", 0, 0, 1024);
+  if (file.choice("device", Words{"cpu", "gpu"}) == "gpu") reader.out().device = RunDevice::gpu;
   reader.read_constants();
   read_limits(reader);
   read_grid(reader);

@@ -68,11 +68,13 @@ class Alone final : public Stepping<D> {
   Simulation<D> simulation_;
 };
 
-// Of the nodes whose velocity had to be mass-weighted the part that counts here.
+}  // namespace
+
 template <int D>
-double unfitted_share(const View<D>& view) {
-  const Nodes<D>& nodes = view.nodes();
-  if (view.is_whole() || nodes.unfitted == 0) return static_cast<double>(nodes.unfitted);
+double Stepping<D>::unfitted() const {
+  const View<D> all = view();
+  const Nodes<D>& nodes = all.nodes();
+  if (all.is_whole() || nodes.unfitted == 0) return static_cast<double>(nodes.unfitted);
   double sum = 0;
   for (std::size_t t = 0; t < nodes.fit_nodes.size(); ++t)
     if (const std::uint32_t i = nodes.fit_nodes[t];
@@ -80,8 +82,6 @@ double unfitted_share(const View<D>& view) {
       sum += nodes.share_of(i);
   return sum;
 }
-
-}  // namespace
 
 template <int D>
 void run_until(Simulation<D>& simulation, double end, const std::function<void()>& observe,
@@ -97,7 +97,15 @@ void run_until(Simulation<D>& simulation, double end, const std::function<void()
 }
 
 template <int D>
+void require_on_processor(const ProblemFile<D>& file) {
+  recon::detail::require(file.device == RunDevice::cpu, "device", "gpu",
+                         "must be cpu here: run_on_gpu() of recon/gpu/run.hpp runs on a GPU, "
+                         "alone, not on several ranks");
+}
+
+template <int D>
 RunResult run(ProblemFile<D> file, const RunOptions& options) {
+  require_on_processor(file);
   return run<D>(std::move(file), options, {[](Problem<D>&& problem) {
                   return std::make_unique<Alone<D>>(std::move(problem));
                 }});
@@ -134,7 +142,7 @@ RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& 
 
   // The particles go there: a run has them once.
   const std::unique_ptr<Stepping<D>> simulation = place.begin(std::move(file.problem));
-  const std::optional<double> rest = simulation->view().problem().time.rest;
+  const std::optional<double> rest = simulation->problem().time.rest;
   RunState state;
   if (!from_start) {
     try {
@@ -182,7 +190,7 @@ RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& 
   };
   // Rows of the probes are due by time or number of the step alone, so that a restart has the same.
   const auto probes_due = [&] {
-    const State<D>& now = simulation->view().state();
+    const auto now = simulation->clock();
     const double interval = file.output.probe_interval;
     if (interval <= 0) return now.steps % file.output.probe_every == 0;
     return now.steps == 0 || passes(interval, now.time - now.last_dt, now.time);
@@ -192,15 +200,15 @@ RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& 
   std::optional<Ledger> before;
   for (bool first = true;; first = false) {
     simulation->map();
-    const View<D> view = simulation->view();
     bool done = simulation->time() >= end * (1 - 1e-14);
     // What the parts of the state, if there are several, know together.
-    std::array<double, 2> of_all{unfitted_share(view),
+    std::array<double, 2> of_all{simulation->unfitted(),
                                  !done && options.stop && options.stop() ? 1.0 : 0.0};
-    view.sum(of_all);
+    simulation->sum(of_all);
     result.unfitted = std::max(result.unfitted, static_cast<std::size_t>(std::llround(of_all[0])));
     const bool stopped = of_all[1] > 0;
     if (every_step || first || done || stopped) {
+      const View<D> view = simulation->view();
       const ExternalForces<D> forces = external_forces(view);
       Ledger now = account(
           view, forces, first && from_start ? std::optional<Ledger>() : std::optional(state.start),
@@ -225,7 +233,7 @@ RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& 
       simulation->write_frame(options.folder, options.name, state.frame_times, frame_options);
     result.stopped = stopped && !done;
     if (!file.probes.empty() && (done || probes_due())) {
-      const std::string row = probes_row(file.probes, view);
+      const std::string row = probes_row(file.probes, simulation->view());
       if (probes_file) probes_file->add(row);
     }
     if (due || done || result.stopped || (first && from_start)) {
@@ -255,6 +263,8 @@ RunResult run(ProblemFile<D>&& file, const RunOptions& options, const Place<D>& 
 }
 
 #define RECON_INSTANTIATE(D)                                                    \
+  template class Stepping<D>;                                                   \
+  template void require_on_processor(const ProblemFile<D>&);                    \
   template RunResult run(ProblemFile<D>, const RunOptions&);                    \
   template RunResult run(ProblemFile<D>&&, const RunOptions&, const Place<D>&); \
   template void run_until(Simulation<D>&, double, const std::function<void()>&, const Limits&);

@@ -1,6 +1,6 @@
-// What run() asks of the simulation that it takes to its end: one of this process, or one that is
-// spread over several (ranks/run.cpp). In the second case all processes run the same run(), and
-// ask the same in the same order.
+// What run() asks of the simulation that it takes to its end: one of this process, one whose state
+// is elsewhere (gpu/stepping.cpp), or one that is spread over several processes (ranks/run.cpp). In
+// the last case all processes run the same run(), and ask the same in the same order.
 #pragma once
 
 #include <functional>
@@ -26,10 +26,25 @@ class Stepping {
   virtual TimeStep choose_step() = 0;
   virtual void map() = 0;
   virtual void step(double dt) = 0;
-  // The state, and what belongs to it.
+  // The state, and what belongs to it. Where that has to be brought from elsewhere, this takes
+  // time, and is asked where something is measured or written alone.
   virtual View<D> view() const = 0;
-  double time() const { return view().state().time; }
-  std::int64_t steps() const { return view().state().steps; }
+  struct Clock {
+    double time, last_dt;
+    std::int64_t steps;
+  };
+  virtual Clock clock() const {
+    const State<D>& s = view().state();
+    return {s.time, s.last_dt, s.steps};
+  }
+  double time() const { return clock().time; }
+  std::int64_t steps() const { return clock().steps; }
+  virtual const Problem<D>& problem() const { return view().problem(); }
+
+  // Of the nodes whose velocity had to be mass-weighted the part that counts here.
+  virtual double unfitted() const;
+  // Each number becomes the sum of those of all processes.
+  virtual void sum(std::span<double> numbers) const { view().sum(numbers); }
 
   // Whether this process writes the files of the run.
   virtual bool writes() const = 0;
@@ -54,6 +69,10 @@ struct Place {
   // The memory that it takes on this machine, of what one process is expected to take; null: that.
   std::function<double(double)> memory{};
 };
+
+// Throws InvalidArgument for a problem that asks for a GPU.
+template <int D>
+void require_on_processor(const ProblemFile<D>& file);
 
 template <int D>
 RunResult run(ProblemFile<D>&& problem, const RunOptions& options, const Place<D>& place);

@@ -171,6 +171,25 @@ TEST_F(MpmProgram, CopiesThatAreNoRanksAreRefused) {
   EXPECT_FALSE(exists("out"));
 }
 
+TEST_F(MpmProgram, AGpuThatCannotBeIsRefused) {
+  for (const char* asked : {"--device gpu", "--set device=gpu"}) {
+#ifdef RECON_HAS_GPU
+    const Outcome outcome = run(std::string("run disks.toml --method cpls --out out ") + asked);
+    EXPECT_EQ(outcome.code, 2);  // no GPU, or none of its forms
+    EXPECT_THAT(outcome.err, HasSubstr("GPU"));
+#else
+    expect_failure(std::string("run disks.toml --method mpm --out out ") + asked, 1,
+                   HasSubstr("RECON_CUDA"));
+#endif
+    EXPECT_FALSE(exists("out"));
+  }
+  expect_failure("run disks.toml --device tpu", 1, HasSubstr("--device"));
+  expect_failure("run disks.toml --set device=tpu", 2, HasSubstr("device"));
+  EXPECT_THAT(succeed("run disks.toml --device cpu --method mpm --cells 10 --set end=0.1 "
+                      "--set frames=1 --quiet --out cpu"),
+              HasSubstr("2 frames"));
+}
+
 TEST_F(MpmProgram, Mistakes) {
   expect_failure("run disks.toml --method cplss", 1, HasSubstr("did you mean 'cpls'"));
   expect_failure("run disks.toml --method cpls+velocty=mls", 1,

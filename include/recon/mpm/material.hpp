@@ -16,6 +16,7 @@
 #include <variant>
 
 #include "recon/core/error.hpp"
+#include "recon/core/lanes.hpp"
 #include "recon/mpm/types.hpp"
 
 namespace recon::mpm {
@@ -38,10 +39,12 @@ struct Lame {
     recon::detail::require(3 * lambda + 2 * mu > 0 && std::isfinite(lambda), "lambda", lambda,
                            "must be finite and above -2 mu / 3");
   }
-  double p_wave_speed(double density) const { return std::sqrt((lambda + 2 * mu) / density); }
+  constexpr double p_wave_speed(double density) const {
+    return recon::detail::square_root((lambda + 2 * mu) / density);
+  }
   // The speed sqrt(E / density) of waves in a thin bar.
-  double bar_wave_speed(double density) const {
-    return std::sqrt(mu * (3 * lambda + 2 * mu) / (lambda + mu) / density);
+  constexpr double bar_wave_speed(double density) const {
+    return recon::detail::square_root(mu * (3 * lambda + 2 * mu) / (lambda + mu) / density);
   }
 };
 
@@ -49,7 +52,8 @@ struct Lame {
 // turns Cauchy stress (force / area) and strain energy per reference volume into those after a step
 // dt with the velocity gradient L (1 / time) that led to the deformation gradient F. out_of_plane()
 // is the stress along the directions without strain, in 1-D and 2-D; it follows from F and the
-// stress in the other directions.
+// stress in the other directions. update() takes any type M of matrices with the functions of
+// Eigen's that it uses, and is constexpr: a GPU has a type of its own.
 //
 // One that remembers more than these has `history`, the names of its variables: both functions
 // then take them last, as const double* in out_of_plane(). They are 0 at the start. One with more
@@ -60,11 +64,11 @@ concept MaterialModel = std::derived_from<M, Lame> &&
              Matrix<2>& stress, double& energy) {
   { M::name } -> std::convertible_to<std::string_view>;
   requires requires {
-    { material.template update<2>(F, L, dt, stress, energy) } -> std::same_as<void>;
+    { material.update(F, L, dt, stress, energy) } -> std::same_as<void>;
     { material.template out_of_plane<2>(F, L) } -> std::convertible_to<double>;
   } || requires(double* history) {
     { M::history[0] } -> std::convertible_to<std::string_view>;
-    { material.template update<2>(F, L, dt, stress, energy, history) } -> std::same_as<void>;
+    { material.update(F, L, dt, stress, energy, history) } -> std::same_as<void>;
     { material.template out_of_plane<2>(F, L, history) } -> std::convertible_to<double>;
   };
 };
@@ -83,12 +87,12 @@ constexpr std::size_t history_of() {
 // (Gong 2015, eq. 4.33, 4.34, with F F^T: docs/misprints.md, G10).
 struct NeoHookean : Lame {
   static constexpr std::string_view name = "neo_hookean";
-  template <int D>
-  void update(const Matrix<D>& F, const Matrix<D>&, double, Matrix<D>& stress,
-              double& energy) const {
+  template <class M>
+  constexpr void update(const M& F, const M&, double, M& stress, double& energy) const {
+    constexpr int D = M::RowsAtCompileTime;
     const double J = F.determinant(), log_J = std::log(J);
-    const Matrix<D> b = F * F.transpose();
-    stress = (mu * (b - Matrix<D>::Identity()) + lambda * log_J * Matrix<D>::Identity()) / J;
+    const M b = F * F.transpose();
+    stress = (mu * (b - M::Identity()) + lambda * log_J * M::Identity()) / J;
     energy = lambda * log_J * log_J / 2 + mu * ((b.trace() - D) / 2 - log_J);
   }
   template <int D>
@@ -105,11 +109,10 @@ struct NeoHookean : Lame {
 // on a body that changes its volume differs from W by the strain times W.
 struct SmallStrain : Lame {
   static constexpr std::string_view name = "small_strain";
-  template <int D>
-  void update(const Matrix<D>& F, const Matrix<D>&, double, Matrix<D>& stress,
-              double& energy) const {
-    const Matrix<D> e = (F + F.transpose()) / 2 - Matrix<D>::Identity();
-    stress = lambda * e.trace() * Matrix<D>::Identity() + 2 * mu * e;
+  template <class M>
+  constexpr void update(const M& F, const M&, double, M& stress, double& energy) const {
+    const M e = (F + F.transpose()) / 2 - M::Identity();
+    stress = lambda * e.trace() * M::Identity() + 2 * mu * e;
     energy = lambda * e.trace() * e.trace() / 2 + mu * e.squaredNorm();
   }
   template <int D>
@@ -122,13 +125,11 @@ struct SmallStrain : Lame {
 // the energy is the work of the stress, J sigma : d per reference volume, by the trapezoidal rule.
 struct LinearElastic : Lame {
   static constexpr std::string_view name = "linear_elastic";
-  template <int D>
-  void update(const Matrix<D>& F, const Matrix<D>& L, double dt, Matrix<D>& stress,
-              double& energy) const {
-    const Matrix<D> d = (L + L.transpose()) / 2, w = (L - L.transpose()) / 2;
-    const Matrix<D> before = stress;
-    stress +=
-        dt * (lambda * d.trace() * Matrix<D>::Identity() + 2 * mu * d + w * before - before * w);
+  template <class M>
+  constexpr void update(const M& F, const M& L, double dt, M& stress, double& energy) const {
+    const M d = (L + L.transpose()) / 2, w = (L - L.transpose()) / 2;
+    const M before = stress;
+    stress += dt * (lambda * d.trace() * M::Identity() + 2 * mu * d + w * before - before * w);
     energy += dt * F.determinant() * ((before + stress) / 2).cwiseProduct(d).sum();
   }
   // The integral of lambda tr(d), to which the rotation adds nothing: that of tr(sigma) is
@@ -161,21 +162,22 @@ struct VonMises : Lame {
     recon::detail::require(hardening >= 0 && std::isfinite(hardening), "hardening", hardening,
                            "must be finite and not negative");
   }
-  template <int D>
-  void update(const Matrix<D>& F, const Matrix<D>& L, double dt, Matrix<D>& stress, double& energy,
-              double* remembered) const {
+  template <class M>
+  constexpr void update(const M& F, const M& L, double dt, M& stress, double& energy,
+                        double* remembered) const {
+    constexpr int D = M::RowsAtCompileTime;
     double &plastic = remembered[0], &beyond = remembered[1];
-    const Matrix<D> d = (L + L.transpose()) / 2, before = stress;
+    const M d = (L + L.transpose()) / 2, before = stress;
     double elastic = 0;
     LinearElastic{{lambda, mu}}.update(F, L, dt, stress, elastic);
     beyond += dt * lambda * d.trace();
     const double mean = (stress.trace() + (3 - D) * beyond) / 3;
-    const Matrix<D> deviator = stress - mean * Matrix<D>::Identity();
+    const M deviator = stress - mean * M::Identity();
     const double mises =
         std::sqrt(1.5 * (deviator.squaredNorm() + (3 - D) * (beyond - mean) * (beyond - mean)));
     if (const double above = mises - yield - hardening * plastic; above > 0) {
       const double flow = above / (3 * mu + hardening), left = 1 - 3 * mu * flow / mises;
-      stress = mean * Matrix<D>::Identity() + left * deviator;
+      stress = mean * M::Identity() + left * deviator;
       beyond = mean + left * (beyond - mean);
       plastic += flow;
     }

@@ -46,6 +46,15 @@ class HeldVelocity {
   Function function_;
 };
 
+// Whether a place of a plane lies between two corners of it.
+template <int D>
+constexpr bool is_covered(int axis, const double* from, const double* to, const double* x,
+                          double margin) {
+  for (int d = 0; d < D; ++d)
+    if (d != axis && !(x[d] >= from[d] - margin && x[d] <= to[d] + margin)) return false;
+  return true;
+}
+
 // A boundary condition on the nodes of the plane x_axis = at, which must be a plane of the grid.
 // Velocity components that are set are held there, the others are free. fixed: all are zero.
 // roller: that along the axis is zero.
@@ -80,9 +89,7 @@ struct Boundary {
 
   // Whether a node of the plane is held, and a particle there meets a wall.
   bool covers(const Vector<D>& x, double margin) const {
-    for (int d = 0; d < D; ++d)
-      if (d != axis && !(x[d] >= from[d] - margin && x[d] <= to[d] + margin)) return false;
-    return true;
+    return is_covered<D>(axis, from.data(), to.data(), x.data(), margin);
   }
   // Whether it is a plane of nodes of the grid, to a millionth of a cell.
   bool is_on_nodes(const Grid<D>& grid) const;

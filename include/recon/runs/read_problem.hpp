@@ -43,6 +43,10 @@ struct OutputOptions {
   double probe_interval = 0;
 };
 
+// Where a run happens: its steps on the processor, or on a GPU (gpu/run.hpp). It is no part of the
+// problem: checkpoints are the same.
+enum class RunDevice { cpu, gpu };
+
 // The texts of the formulas that the functions and initial values of a problem were made from, by
 // key. A checkpoint belongs to problems with the same texts (checkpoint.hpp).
 using Formulas = std::map<std::string, std::string>;
@@ -55,6 +59,7 @@ struct ProblemFile {
   Formulas formulas;
   Limits limits;
   OutputOptions output;
+  RunDevice device = RunDevice::cpu;
   std::vector<Probe<D>> probes;
 };
 

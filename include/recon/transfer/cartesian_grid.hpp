@@ -37,6 +37,15 @@ namespace detail {
 [[noreturn]] void throw_coordinate(double x, int axis);
 [[noreturn]] void throw_no_cells();
 
+// The index of the cell of an axis, of so many from `lower` on, that x belongs to.
+constexpr int cell_of_axis(double x, double lower, double h, int cells) {
+  return static_cast<int>(std::clamp((x - lower) / h, 0.0, cells - 1.0));
+}
+// Whether x lies on the axis, up to a millionth of a cell.
+constexpr bool lies_on_axis(double x, double lower, double upper, double h) {
+  return x > lower - 1e-6 * h && x < upper + 1e-6 * h;
+}
+
 // Whether a point can be one in D dimensions: false only where its type says another number of
 // coordinates.
 template <class Point, int D>
@@ -124,7 +133,7 @@ class CartesianGrid {
   // The index along axis d of the cell that x belongs to. Throws as require_coordinate() does.
   int cell(double x, int d) const {
     require_coordinate(x, d);
-    return static_cast<int>(std::clamp((x - lower_[d]) / h_, 0.0, cells_[d] - 1.0));
+    return detail::cell_of_axis(x, lower_[d], h_, cells_[d]);
   }
   // The number of the cell of a point, anything with x[d]; the first axis runs fastest, as in
   // cell_centres(nodes()).
@@ -162,7 +171,7 @@ class CartesianGrid {
   bool contains(const Point& x) const {
     detail::require_dimension<Point, D>();
     for (int d = 0; d < D; ++d)
-      if (!(x[d] > lower_[d] - 1e-6 * h_ && x[d] < upper(d) + 1e-6 * h_)) return false;
+      if (!detail::lies_on_axis(x[d], lower_[d], upper(d), h_)) return false;
     return true;
   }
 

@@ -314,6 +314,63 @@ struct Cpdi1Functions {
   }
 };
 
+namespace detail {
+
+// The multilinear functions of 2^D corners in [-1, 1]^D: that of corner a at Gauss point g, and its
+// gradient.
+template <int D>
+struct CornerGauss {
+  double N[1 << D][1 << D];
+  double local[1 << D][1 << D][D];
+
+  CornerGauss() {
+    for (int g = 0; g < 1 << D; ++g)
+      for (int a = 0; a < 1 << D; ++a) {
+        N[g][a] = 1;
+        for (int d = 0; d < D; ++d) local[g][a][d] = 1;
+        for (int d = 0; d < D; ++d) {
+          const double xi = (g >> d & 1 ? 1 : -1) / std::sqrt(3.0), sign = a >> d & 1 ? 1 : -1;
+          N[g][a] *= (1 + sign * xi) / 2;
+          for (int e = 0; e < D; ++e) local[g][a][e] *= e == d ? sign / 2 : (1 + sign * xi) / 2;
+        }
+      }
+  }
+};
+
+// Writes the averages of the functions of corners and of their gradients over the cell that they
+// span, D numbers for each corner and gradient, and returns the volume; nothing of use where that
+// is zero. M is a type of matrices, Eigen's or one with the same functions.
+template <class M>
+constexpr double average_over_corners(const CornerGauss<M::RowsAtCompileTime>& gauss,
+                                      const double* corners, double* weight, double* slope) {
+  constexpr int D = M::RowsAtCompileTime, count = 1 << D;
+  double volume = 0;
+  for (int a = 0; a < count; ++a) weight[a] = 0;
+  for (int a = 0; a < count * D; ++a) slope[a] = 0;
+  for (int g = 0; g < count; ++g) {
+    M J = M::Zero();
+    for (int a = 0; a < count; ++a)
+      for (int c = 0; c < D; ++c)
+        for (int r = 0; r < D; ++r) J(r, c) += corners[a * D + r] * gauss.local[g][a][c];
+    const double part = J.determinant();
+    const M turned = J.inverse().transpose() * part;
+    volume += part;
+    for (int a = 0; a < count; ++a) {
+      weight[a] += part * gauss.N[g][a];
+      for (int r = 0; r < D; ++r) {
+        double along = turned(r, 0) * gauss.local[g][a][0];
+        for (int c = 1; c < D; ++c) along += turned(r, c) * gauss.local[g][a][c];
+        slope[a * D + r] += along;
+      }
+    }
+  }
+  for (int a = 0; a < count; ++a) weight[a] /= volume;
+  for (int a = 0; a < count * D; ++a) slope[a] /= volume;
+  return volume;
+}
+
+}  // namespace detail
+
 // The cell that corners span, with the averages of their multilinear functions (`weight`, which sum
 // to one) and of the gradients of these (`slope`, 1 / length, which sum to zero) over it. Two Gauss
 // points an axis are exact (they replace Gong 2015, eq. 6.29-6.32, of which the first two are
@@ -327,54 +384,17 @@ struct CornerDomain {
   double volume = 0;  // length^D
 
   explicit CornerDomain(const DomainCorners<D>& at) : corners(at) {
-    constexpr int count = 1 << D;
-    slope.fill(SpaceVector<D>::Zero());
-    for (int g = 0; g < count; ++g) {
-      SpaceMatrix<D> J = SpaceMatrix<D>::Zero();
-      for (int a = 0; a < count; ++a) J += corners[a] * gauss().local[g][a].transpose();
-      const double part = J.determinant();
-      const SpaceMatrix<D> turned = J.inverse().transpose() * part;
-      volume += part;
-      for (int a = 0; a < count; ++a) {
-        weight[a] += part * gauss().N[g][a];
-        slope[a] += turned * gauss().local[g][a];
-      }
-    }
+    static const detail::CornerGauss<D> gauss;
+    volume = detail::average_over_corners<SpaceMatrix<D>>(gauss, corners[0].data(), weight.data(),
+                                                          slope[0].data());
     if (!(volume != 0 && std::isfinite(volume))) [[unlikely]]
-      detail::throw_corners(corners[0].data(), count, D, volume);
-    for (int a = 0; a < count; ++a) {
-      weight[a] /= volume;
-      slope[a] /= volume;
-    }
+      detail::throw_corners(corners[0].data(), 1 << D, D, volume);
   }
 
   SpaceVector<D> centroid() const {
     SpaceVector<D> sum = SpaceVector<D>::Zero();
     for (int a = 0; a < (1 << D); ++a) sum += weight[a] * corners[a];
     return sum;
-  }
-
- private:
-  // The function of corner a at Gauss point g, and its gradient in [-1, 1]^D.
-  struct Gauss {
-    double N[1 << D][1 << D];
-    SpaceVector<D> local[1 << D][1 << D];
-    Gauss() {
-      for (int g = 0; g < 1 << D; ++g)
-        for (int a = 0; a < 1 << D; ++a) {
-          N[g][a] = 1;
-          local[g][a].setOnes();
-          for (int d = 0; d < D; ++d) {
-            const double xi = (g >> d & 1 ? 1 : -1) / std::sqrt(3.0), sign = a >> d & 1 ? 1 : -1;
-            N[g][a] *= (1 + sign * xi) / 2;
-            for (int e = 0; e < D; ++e) local[g][a][e] *= e == d ? sign / 2 : (1 + sign * xi) / 2;
-          }
-        }
-    }
-  };
-  static const Gauss& gauss() {
-    static const Gauss made;
-    return made;
   }
 };
 

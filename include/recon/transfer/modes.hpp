@@ -44,6 +44,17 @@
 namespace recon {
 
 namespace detail {
+// Whether the eigenvalues of a symmetric matrix are all above `least`, as far as that is seen
+// without them: all are positive where these sums are, and none is below the determinant over the
+// greatest product of the others. (Beyond a face functions may be negative, and so may what they weigh.)
+template <class M>
+constexpr bool exceeds_along_all(const M& matrix, double least) {
+  constexpr int D = M::RowsAtCompileTime;
+  const double trace = matrix.trace(), pairs = trace * trace - matrix.squaredNorm();
+  double most = 1;
+  for (int d = 1; d < D; ++d) most *= trace;
+  return trace > 0 && (D < 3 || pairs > 0) && matrix.determinant() > least * most;
+}
 // The inverse of a symmetric matrix on the directions whose eigenvalues are above `least`, zero on
 // the others. Gives the number of the former.
 template <int D>
@@ -56,9 +67,9 @@ struct AxisModes {
   double value[3][widest_with_modes];
 };
 // Up to s_1 where no quadratic ones are asked for.
-template <int D, class Count>
-AxisModes modes_of_axis(const CartesianGrid<D>& grid, const AxisFunctions<Count>& axis, double x,
-                        int d, bool quadratic) {
+template <class Grid, class Count>
+constexpr AxisModes modes_of_axis(const Grid& grid, const AxisFunctions<Count>& axis, double x,
+                                  int d, bool quadratic) {
   static_assert(Count::most <= widest_with_modes);
   constexpr double least_linear = 1e-12, least_quadratic = 1e-6;
   const double h = grid.h();
@@ -290,11 +301,7 @@ class DomainModes {
   // D^+, where eigenvalues that are not above `least` count as zero.
   void invert(double least) {
     rank_ = D;
-    // All eigenvalues are positive where these are, and none is below det D over the greatest product
-    // of the others. Beyond a face S may be negative, and so may D.
-    const double trace = second_.trace(), pairs = trace * trace - second_.squaredNorm();
-    if (trace > 0 && (D < 3 || pairs > 0) && second_.determinant() > least * std::pow(trace, D - 1))
-        [[likely]] {
+    if (detail::exceeds_along_all(second_, least)) [[likely]] {
       inverse_ = second_.inverse();
       return;
     }

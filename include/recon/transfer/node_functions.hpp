@@ -88,13 +88,13 @@ struct AxisFunctions;
 template <int N>
 struct AxisFunctions<Exactly<N>> {
   static constexpr int count = N;
-  static void set_count(int) {}
+  static constexpr void set_count(int) {}
   int first = 0;
   std::array<double, N> S, G;
 };
 template <int N>
 struct AxisFunctions<AtMost<N>> {
-  void set_count(int to) { count = to; }
+  constexpr void set_count(int to) { count = to; }
   int first = 0, count = 0;
   std::array<double, N> S, G;
 };

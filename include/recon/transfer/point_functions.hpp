@@ -57,14 +57,23 @@ std::string_view name_of(SplineBorder border);
 
 namespace detail {
 
+// What functions of an axis ask of a grid is what CartesianGrid has of these names: lower(), h(),
+// inverse_h(), cells(d), cell(x, d), node(i, d), require_coordinate(x, d).
+
 // A point on the edge of its cell, or beyond it by rounding, is treated as lying inside the cell by
 // this part of its edge. So every node that gets a force from the gradient at the point also gets
 // some of its mass, and with it its velocity.
 inline constexpr double hair = 1e-14;
+// x where it lies between a hair and `upper`, else the nearer of these. (std::clamp takes
+// references, and code of a GPU has none to a constant of the processor.)
+constexpr double clamp_by_hair(double x, double upper) {
+  const double lower = hair;
+  return std::clamp(x, lower, upper);
+}
 
 // The linear functions of a cell; xi runs from 0 to 1 over it. Here and below `per_h` is 1 / h.
 template <class Count = Exactly<2>>
-AxisFunctions<Count> linear_axis(double xi, double per_h, int cell) {
+constexpr AxisFunctions<Count> linear_axis(double xi, double per_h, int cell) {
   AxisFunctions<Count> axis;
   axis.first = cell;
   axis.set_count(2);
@@ -76,8 +85,8 @@ AxisFunctions<Count> linear_axis(double xi, double per_h, int cell) {
 }
 // At s cells from the lower face.
 template <class Count = Exactly<2>>
-AxisFunctions<Count> linear_axis_at(double s, double per_h, int cell) {
-  return linear_axis<Count>(std::clamp(s - cell, hair, 1 - hair), per_h, cell);
+constexpr AxisFunctions<Count> linear_axis_at(double s, double per_h, int cell) {
+  return linear_axis<Count>(clamp_by_hair(s - cell, 1 - hair), per_h, cell);
 }
 
 // The quadratic functions of the element that spans cells 2 e and 2 e + 1; xi runs from
@@ -98,7 +107,7 @@ inline AxisFunctions<Exactly<3>> quadratic_axis_at(double x, double lower, doubl
 // Ends splines at the faces: the function of the node before the first one goes to the first two
 // nodes, and that of the node beyond the last one to the last two.
 template <class Count>
-void end_splines(AxisFunctions<Count>& axis, int cells, SplineBorder border) {
+constexpr void end_splines(AxisFunctions<Count>& axis, int cells, SplineBorder border) {
   const double twice = border == SplineBorder::corrected ? 2 : 0, once = twice / 2;
   const auto give = [&](int from, int next, int after) {
     for (auto* value : {&axis.S, &axis.G}) {
@@ -131,7 +140,7 @@ struct CellSplines {
 
   // At s cells from the lower face.
   CellSplines(double s, int cells) {
-    s = std::clamp(s, hair, cells * (1 - hair));
+    s = clamp_by_hair(s, cells * (1 - hair));
     if constexpr (degree == 1) {
       first = static_cast<int>(s + 0.5) - 1;
       const double z = s - 0.5 - first;
@@ -167,11 +176,11 @@ AxisFunctions<AtMost<degree + 2>> cell_axis_at(double s, double per_h, int cells
 }
 
 template <int degree>
-AxisFunctions<AtMost<degree + 1>> spline_axis_at(double s, double per_h, int cells,
-                                                 SplineBorder border) {
+constexpr AxisFunctions<AtMost<degree + 1>> spline_axis_at(double s, double per_h, int cells,
+                                                           SplineBorder border) {
   static_assert(degree == 2 || degree == 3);
   AxisFunctions<AtMost<degree + 1>> axis;
-  s = std::clamp(s, hair, cells * (1 - hair));
+  s = clamp_by_hair(s, cells * (1 - hair));
   const int cell = std::min(static_cast<int>(s), cells - 1);
   if (border == SplineBorder::linear_cells && (cell == 0 || cell == cells - 1))
     return linear_axis_at<AtMost<degree + 1>>(s, per_h, cell);
@@ -204,16 +213,16 @@ AxisFunctions<AtMost<degree + 1>> spline_axis_at(double s, double per_h, int cel
 
 struct LinearAxis {
   using AxisCount = Exactly<2>;
-  template <int D>
-  AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
+  template <class Grid>
+  constexpr AxisFunctions<AxisCount> axis(const Grid& grid, double x, int d) const {
     return linear_axis_at((x - grid.lower()[d]) / grid.h(), grid.inverse_h(), grid.cell(x, d));
   }
 };
 
 struct ContinuedLinearAxis {
   using AxisCount = Exactly<2>;
-  template <int D>
-  AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
+  template <class Grid>
+  constexpr AxisFunctions<AxisCount> axis(const Grid& grid, double x, int d) const {
     const int cell = grid.cell(x, d);
     return linear_axis((x - grid.lower()[d]) / grid.h() - cell, grid.inverse_h(), cell);
   }
@@ -244,8 +253,8 @@ template <int degree>
 struct SplineAxis {
   using AxisCount = AtMost<degree + 1>;
   SplineBorder border = SplineBorder::corrected;
-  template <int D>
-  AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
+  template <class Grid>
+  constexpr AxisFunctions<AxisCount> axis(const Grid& grid, double x, int d) const {
     grid.require_coordinate(x, d);
     return spline_axis_at<degree>((x - grid.lower()[d]) / grid.h(), grid.inverse_h(), grid.cells(d),
                                   border);
@@ -253,8 +262,8 @@ struct SplineAxis {
 };
 
 struct MomentSplineAxis : SplineAxis<2> {
-  template <int D>
-  AxisFunctions<AxisCount> axis(const CartesianGrid<D>& grid, double x, int d) const {
+  template <class Grid>
+  constexpr AxisFunctions<AxisCount> axis(const Grid& grid, double x, int d) const {
     AxisFunctions<AxisCount> axis = SplineAxis<2>::axis(grid, x, d);
     if (axis.count == 2) return axis;
     double second = 0;

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct RunCommand {
   ProblemOptions problem;
-  std::string out, restart, picture;
+  std::string out, restart, picture, device;
   bool overwrite = false, quiet = false, json = false;
 };
 
@@ -342,13 +342,23 @@ Command add_run(CLI::App& app, const Launch& launch) {
       ->add_option("--restart", options->restart,
                    "a checkpoint.h5 of the same problem to go on from")
       ->type_name("FILE");
+  command
+      ->add_option("--device", options->device,
+                   "where the steps are made: cpu, or gpu for methods that have a form for one")
+      ->type_name("DEVICE")
+      ->check(one_of({"cpu", "gpu"}));
   command->add_flag("--overwrite", options->overwrite, "replace the results of another run");
   command->add_flag("--quiet", options->quiet, "no progress");
   add_json_option(*command, options->json, "Options");
   return [options, &launch] {
     const Everyone& everyone = launch.everyone();
     std::optional<mpm::AnyProblem> problem;
-    everyone.together([&] { problem = options->problem.read(); });
+    std::vector<std::string> more;
+    if (!options->device.empty()) more.push_back("device=" + options->device);
+    everyone.together([&] {
+      problem = options->problem.read(more);
+      std::visit([&](const auto& file) { require_device(launch, file.device); }, *problem);
+    });
     fail_stopped(everyone, "stopped before the run has begun; nothing was written");
     std::visit(
         [&](auto& file) {

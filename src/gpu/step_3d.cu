@@ -1,0 +1,3 @@
+#include "gpu/step.cuh"
+
+RECON_GPU_INSTANTIATE(3)
