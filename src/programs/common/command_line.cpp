@@ -225,6 +225,9 @@ int run_program(const Front& front, const std::string& description, int argc, ch
   if (rank > 0 && std::freopen("/dev/null", "w", stdout) == nullptr) std::fclose(stdout);
   try {
     return run(front, description, argc, argv, add);
+  } catch (const FailureOfAll& of_all) {
+    if (rank == 0) say(front.name, of_all.what());
+    return of_all.code();
   } catch (...) {
     const Failure own = failure();
     // Copies that were not joined: where the first one fails, too, it says so, and its end is that of

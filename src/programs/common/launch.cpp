@@ -55,9 +55,11 @@ const Everyone& Launch::everyone() const {
 
 int Launch::join(const std::string&, const std::vector<std::string>&,
                  const std::function<std::function<void()>()>&) {
-  fail_usage(std::to_string(started().copies) +
-             " copies were started, which would all write the same files: this program was built "
-             "without ranks (RECON_BUILD_PETSC); start it once, without mpirun or srun");
+  throw FailureOfAll(
+      wrong_usage,
+      std::to_string(started().copies) +
+          " copies were started, which would all write the same files: this program was built "
+          "without ranks (RECON_BUILD_PETSC); start it once, without mpirun or srun");
 }
 
 #endif
