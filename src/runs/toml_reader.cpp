@@ -10,10 +10,13 @@
 namespace recon::mpm {
 namespace {
 
+// "an integer"
 std::string kind_of(const toml::node& node) {
   std::ostringstream text;
   text << node.type();
-  return text.str();
+  const std::string kind = text.str();
+  const bool vowel = std::string_view("aeio").find(kind[0]) != std::string_view::npos;
+  return (vowel ? "an " : "a ") + kind;
 }
 
 toml::table parse(const std::string& text, const std::filesystem::path& file);
@@ -213,7 +216,7 @@ const toml::node& TomlTable::require(std::string_view key) const {
 double TomlTable::number(std::string_view key) const {
   const toml::node& node = require(key);
   const auto value = node.value<double>();
-  if (!value || node.is_boolean()) fail(key, "a number is needed, not a " + kind_of(node));
+  if (!value || node.is_boolean()) fail(key, "a number is needed, not " + kind_of(node));
   if (!std::isfinite(*value)) fail(key, "must be finite");
   return *value;
 }
@@ -236,13 +239,13 @@ bool TomlTable::boolean(std::string_view key, bool otherwise) const {
   const toml::node* node = find(key);
   if (!node) return otherwise;
   const auto value = node->value_exact<bool>();
-  if (!value) fail(key, "true or false is needed, not a " + kind_of(*node));
+  if (!value) fail(key, "true or false is needed, not " + kind_of(*node));
   return *value;
 }
 
 std::string TomlTable::text(std::string_view key) const {
   const auto value = require(key).value_exact<std::string>();
-  if (!value) fail(key, "a text is needed, not a " + kind_of(require(key)));
+  if (!value) fail(key, "a text is needed, not " + kind_of(require(key)));
   return *value;
 }
 
@@ -262,7 +265,7 @@ std::vector<std::string> TomlTable::choices(std::string_view key,
   std::vector<std::string> chosen;
   for (const toml::node& node : *list) {
     const auto word = node.value_exact<std::string>();
-    if (!word) fail_at(node, key, "a text is needed, not a " + kind_of(node));
+    if (!word) fail_at(node, key, "a text is needed, not " + kind_of(node));
     if (std::find(known.begin(), known.end(), *word) == known.end())
       fail_at(node, key, "unknown '" + *word + "'; " + suggest(*word, known));
     if (std::find(chosen.begin(), chosen.end(), *word) != chosen.end())

@@ -432,6 +432,8 @@ TEST_F(OnRanks, MistakesAreSaidOnce) {
   EXPECT_THAT(on(2, "compare hanging.toml").err,
               HasSubstr("compare is for one process, and 2 were started; only recon-mpm run is "
                         "spread over the ranks"));
+  ASSERT_EQ(shell("mkfifo pipe.toml").code, 0);
+  expect_failure_on(2, "run pipe.toml", 2, HasSubstr("pipe.toml: is no ordinary file"));
   expect_failure_on(3, "rnu hanging.toml", 1, HasSubstr("did you mean 'run'?"));
   const std::string help = on(2, "help run").out, usage = "Usage: ";
   EXPECT_NE(help.find(usage), std::string::npos);

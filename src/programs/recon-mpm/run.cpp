@@ -356,6 +356,9 @@ Command add_run(CLI::App& app, const Launch& launch) {
     std::vector<std::string> more;
     if (!options->device.empty()) more.push_back("device=" + options->device);
     everyone.together([&] {
+      const fs::path path = options->problem.file;
+      if (launch.has_ranks() && fs::exists(path) && !fs::is_regular_file(path))
+        fail_input(path.string() + ": is no ordinary file, of which every rank could read all");
       problem = options->problem.read(more);
       std::visit([&](const auto& file) { require_device(launch, file.device); }, *problem);
     });

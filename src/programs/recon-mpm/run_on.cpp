@@ -16,12 +16,11 @@ void require_device(const Launch& launch, mpm::RunDevice device) {
   if (device == mpm::RunDevice::cpu) return;
   if (launch.has_ranks())
     fail_usage(
-        "--device gpu: a run on several ranks is on processors; one on a GPU is started alone");
+        "device gpu: a run on several ranks is on processors; one on a GPU is started alone");
 #ifdef RECON_HAS_GPU
   with_exit_code(wrong_input, [] { mpm::gpu_of_runs(); });
 #else
-  fail_usage(
-      "--device gpu: this recon-mpm was built without CUDA (-DRECON_CUDA=ON builds with it)");
+  fail_usage("device gpu: this recon-mpm was built without CUDA (-DRECON_CUDA=ON builds with it)");
 #endif
 }
 

@@ -28,6 +28,7 @@ class StopSignals {
       sigaction(signals[i], nullptr, &before_[i]);
       if (before_[i].sa_handler == SIG_IGN) continue;
       struct sigaction action {};
+      action.sa_flags = SA_RESTART;  // what is being read goes on
       action.sa_handler = [](int signal) {
         const double now = seconds();
         if (seen_ == 0) {
