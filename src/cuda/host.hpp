@@ -43,6 +43,7 @@ class Host {
   template <class U>
   void provide(Array<U>& array, std::size_t n) {
     if (array.capacity_ >= n) return;
+    bytes_ += (n - array.capacity_) * sizeof(U);
     array.numbers_.reset(new U[n]);
     array.capacity_ = n;
     ++allocations_;
@@ -83,11 +84,13 @@ class Host {
     std::copy_n(from, n, to);
   }
 
-  // How often memory was asked for: for tests.
+  // How often memory was asked for, and how much there was at most if none was given back: for tests.
   int allocations() const { return allocations_; }
+  std::size_t bytes() const { return bytes_; }
 
  private:
   int allocations_ = 0;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace recon::cuda
