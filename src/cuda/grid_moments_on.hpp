@@ -55,6 +55,27 @@ struct NodeWeights {
   }
 };
 
+// Calls use(xi, w, place) for the particles that have a weight at x, a place of the grid.
+template <int D, class T, class Use>
+RECON_DEVICE void for_weighted(const CloudView<D, T>& cloud, const NodeWeights<D, T>& nodes,
+                               const T* x, const Use& use) {
+  if (cloud.count == 0) return;
+  double half[D];
+  T per_rho[D];
+  for (int d = 0; d < D; ++d) {
+    half[d] = static_cast<double>(nodes.rho[d]);
+    per_rho[d] = 1 / nodes.rho[d];
+  }
+  Around<D, T>(cloud, x).in_box(
+      half, std::numeric_limits<double>::max(), [&](std::uint32_t place, T) {
+        std::array<T, D> xi;
+        for (int d = 0; d < D; ++d)
+          xi[d] = (cloud.x[std::size_t{place} * D + d] - x[d]) * per_rho[d];
+        const T w = nodes.weight_at(xi);
+        if (w > T(0)) use(xi, w, place);
+      });
+}
+
 // Sums the moments of node after node: the number of particles, sum w xi^alpha as Monomials<D, 2 R>,
 // and for each component sum w xi^alpha u as Monomials<D, R>, in the order of the particles.
 template <int D, int R, class T>
@@ -77,7 +98,7 @@ struct SumMoments {
     T rights[at_once * m];
     for (T& right : rights) right = 0;
     const int first = least_of(with_first, field.components);
-    gather(x, [&](const std::array<T, D>& xi, T w, std::uint32_t place) {
+    for_weighted(cloud, nodes, x, [&](const std::array<T, D>& xi, T w, std::uint32_t place) {
       T terms[M];
       Monomials<D, 2 * R>::evaluate(xi, terms);
       sums[0] += w > nodes.least_weight ? T(1) : T(0);
@@ -91,25 +112,6 @@ struct SumMoments {
   }
 
  private:
-  // Calls use(xi, w, place) for the particles that have a weight at x.
-  template <class Use>
-  RECON_DEVICE void gather(const T* x, const Use& use) const {
-    if (cloud.count == 0) return;
-    double half[D];
-    T per_rho[D];
-    for (int d = 0; d < D; ++d) {
-      half[d] = static_cast<double>(nodes.rho[d]);
-      per_rho[d] = 1 / nodes.rho[d];
-    }
-    Around<D, T>(cloud, x).in_box(
-        half, std::numeric_limits<double>::max(), [&](std::uint32_t place, T) {
-          std::array<T, D> xi;
-          for (int d = 0; d < D; ++d)
-            xi[d] = (cloud.x[std::size_t{place} * D + d] - x[d]) * per_rho[d];
-          const T w = nodes.weight_at(xi);
-          if (w > T(0)) use(xi, w, place);
-        });
-  }
   // Adds w terms u of some components to their sums.
   RECON_DEVICE void add(std::uint32_t place, T w, const T* terms, int first, int count,
                         T* sums) const {
@@ -127,7 +129,7 @@ struct SumMoments {
   RECON_DEVICE void sum_components(const T* x, int first, int count, T* out) const {
     T sums[at_once * m];
     for (T& sum : sums) sum = 0;
-    gather(x, [&](const std::array<T, D>& xi, T w, std::uint32_t place) {
+    for_weighted(cloud, nodes, x, [&](const std::array<T, D>& xi, T w, std::uint32_t place) {
       T terms[m];
       Monomials<D, R>::evaluate(xi, terms);
       add(place, w, terms, first, count, sums);

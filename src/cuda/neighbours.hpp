@@ -148,7 +148,8 @@ struct CountOf {
   RECON_DEVICE std::int64_t operator()(std::size_t t) const { return counts[t]; }
 };
 struct Larger {
-  RECON_DEVICE std::int64_t operator()(std::int64_t a, std::int64_t b) const {
+  template <class T>
+  RECON_DEVICE T operator()(T a, T b) const {
     return most_of(a, b);
   }
 };

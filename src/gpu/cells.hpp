@@ -50,22 +50,12 @@ struct FillCells {
   double* fill;
 
   RECON_DEVICE void operator()(std::size_t c) const {
-    int at[D], from[3] = {0, 0, 0}, to[3] = {0, 0, 0}, cell[3];
-    double cell_volume = 1;
-    for (std::size_t d = 0, rest = c; d < D; ++d) {
-      const auto cells = static_cast<std::size_t>(grid.cells_[d]);
-      at[d] = static_cast<int>(rest % cells);
-      rest /= cells;
-      from[d] = most_of(at[d] - 1, 0);
-      to[d] = least_of(at[d] + 1, grid.cells_[d] - 1);
-      cell_volume *= grid.h();
-    }
+    int at[D];
+    grid.cell_index(c, at);
     bool inside = true;
-    for (cell[2] = from[2]; cell[2] <= to[2]; ++cell[2])
-      for (cell[1] = from[1]; cell[1] <= to[1]; ++cell[1])
-        for (cell[0] = from[0]; cell[0] <= to[0]; ++cell[0])
-          inside = inside && volumes[grid.cell_number(cell)] > 0;
-    fill[c] = part_that_counts(volumes[c], inside, cell_volume);
+    grid.for_cells_around(
+        at, 1, 1, [&](const int*, std::size_t cell) { inside = inside && volumes[cell] > 0; });
+    fill[c] = part_that_counts(volumes[c], inside, grid.cell_volume());
   }
 };
 
@@ -77,37 +67,29 @@ struct SumCellsToNodes {
   NodeNumbers nodes;
 
   RECON_DEVICE void operator()(std::size_t i) const {
-    int index[D], from[3] = {0, 0, 0}, to[3] = {0, 0, 0}, cell[3];
+    int index[D];
     grid.node_index(i, index);
-    double cell_volume = 1;
-    for (int d = 0; d < D; ++d) {
-      from[d] = most_of(index[d] - 1, 0);
-      to[d] = least_of(index[d], grid.cells(d) - 1);
-      cell_volume *= grid.h();
-    }
+    const double cell_volume = grid.cell_volume();
     double mass = 0, force[D];
     for (int d = 0; d < D; ++d) force[d] = 0;
-    for (cell[2] = from[2]; cell[2] <= to[2]; ++cell[2])
-      for (cell[1] = from[1]; cell[1] <= to[1]; ++cell[1])
-        for (cell[0] = from[0]; cell[0] <= to[0]; ++cell[0]) {
-          const std::size_t number = grid.cell_number(cell);
-          if (!(fill[number] > 0)) continue;
-          double middle[D], G[D];
-          int k[D];
-          for (int d = 0; d < D; ++d) {
-            middle[d] = grid.node(cell[d], d) + grid.h() / 2;
-            k[d] = index[d] - cell[d];
-          }
-          const AxesAt<D, LinearFunctions> at(LinearFunctions{}, grid, middle);
-          const double S = at.product(k, G), volume = fill[number] * cell_volume;
-          const double* row = values + number * cell_components<D>;
-          mass += S * volume * *row++;
-          for (int r = 0; r < D; ++r)
-            for (int c = r; c < D; ++c, ++row) {
-              force[r] -= volume * *row * G[c];
-              if (c != r) force[c] -= volume * *row * G[r];
-            }
+    grid.for_cells_around(index, 1, 0, [&](const int* cell, std::size_t number) {
+      if (!(fill[number] > 0)) return;
+      double middle[D], G[D];
+      int k[D];
+      for (int d = 0; d < D; ++d) {
+        middle[d] = grid.node(cell[d], d) + grid.h() / 2;
+        k[d] = index[d] - cell[d];
+      }
+      const AxesAt<D, LinearFunctions> at(LinearFunctions{}, grid, middle);
+      const double S = at.product(k, G), volume = fill[number] * cell_volume;
+      const double* row = values + number * cell_components<D>;
+      mass += S * volume * *row++;
+      for (int r = 0; r < D; ++r)
+        for (int c = r; c < D; ++c, ++row) {
+          force[r] -= volume * *row * G[c];
+          if (c != r) force[c] -= volume * *row * G[r];
         }
+    });
     nodes.mass[i] = mass;
     for (int d = 0; d < D; ++d) nodes.force[i * D + d] = force[d];
   }
@@ -127,8 +109,7 @@ struct WatchMass {
   Watched* watched;
 
   RECON_DEVICE void operator()(std::size_t i) const {
-    const double lightest = lightest_node * *heaviest;
-    const int sign = mass[i] > lightest ? 1 : mass[i] < -lightest ? -1 : 0;
+    const int sign = sign_of_mass(mass[i], *heaviest);
     if (sign * signs[i] < 0) cuda::keep_least(&watched->change, static_cast<std::uint32_t>(i));
     if (sign < 0) cuda::keep_least(&watched->negative, static_cast<std::uint32_t>(i));
     signs[i] = static_cast<signed char>(sign);

@@ -106,40 +106,31 @@ struct SumCornersToNodes {
   NodeNumbers nodes;
 
   RECON_DEVICE void operator()(std::size_t i) const {
-    int index[D], from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+    int index[D];
     grid.node_index(i, index);
     double place[D];
-    for (int d = 0; d < D; ++d) {
-      from[d] = most_of(index[d] - 1, 0);
-      to[d] = least_of(index[d], grid.cells(d) - 1);
-      place[d] = grid.node(index[d], d);
-    }
+    for (int d = 0; d < D; ++d) place[d] = grid.node(index[d], d);
     double mass = 0, momentum[D], force[D];
     for (int d = 0; d < D; ++d) momentum[d] = force[d] = 0;
-    int cell[3];
-    for (cell[2] = from[2]; cell[2] <= to[2]; ++cell[2])
-      for (cell[1] = from[1]; cell[1] <= to[1]; ++cell[1])
-        for (cell[0] = from[0]; cell[0] <= to[0]; ++cell[0]) {
-          const std::size_t c = grid.cell_number(cell);
-          for (std::uint32_t at = first[c]; at < first[c + 1]; ++at) {
-            const GivenByCorner<D>& one = given[order[at]];
-            const AtCorner<D> functions(ContinuedLinearFunctions{}, grid, one.x);
-            double N = 1;
-            for (int d = 0; d < D; ++d)
-              N *=
-                  functions.axis[d].S[static_cast<std::size_t>(index[d] - functions.axis[d].first)];
-            mass += N * one.mass;
-            for (int d = 0; d < D; ++d) {
-              momentum[d] += N * one.momentum[d];
-              force[d] += N * one.force[d];
-            }
-            if (slopes == nullptr) continue;
-            const GivenSlopeByCorner<D>& slope = slopes[order[at]];
-            for (int e = 0; e < D; ++e)
-              for (int d = 0; d < D; ++d)
-                momentum[d] += N * slope.moment[e * D + d] * (place[e] - slope.mean[e]);
-          }
+    grid.for_cells_around(index, 1, 0, [&](const int*, std::size_t c) {
+      for (std::uint32_t at = first[c]; at < first[c + 1]; ++at) {
+        const GivenByCorner<D>& one = given[order[at]];
+        const AtCorner<D> functions(ContinuedLinearFunctions{}, grid, one.x);
+        double N = 1;
+        for (int d = 0; d < D; ++d)
+          N *= functions.axis[d].S[static_cast<std::size_t>(index[d] - functions.axis[d].first)];
+        mass += N * one.mass;
+        for (int d = 0; d < D; ++d) {
+          momentum[d] += N * one.momentum[d];
+          force[d] += N * one.force[d];
         }
+        if (slopes == nullptr) continue;
+        const GivenSlopeByCorner<D>& slope = slopes[order[at]];
+        for (int e = 0; e < D; ++e)
+          for (int d = 0; d < D; ++d)
+            momentum[d] += N * slope.moment[e * D + d] * (place[e] - slope.mean[e]);
+      }
+    });
     nodes.mass[i] = mass;
     for (int d = 0; d < D; ++d) {
       nodes.momentum[i * D + d] = momentum[d];

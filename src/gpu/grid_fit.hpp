@@ -52,23 +52,6 @@ struct FitByMoments {
   }
 };
 
-// Calls use(place, xi, w) for the particles that have a weight at a point of the grid.
-template <int D, class Use>
-RECON_DEVICE void for_weighted(const cuda::CloudView<D, double>& cloud,
-                               const cuda::NodeWeights<D, double>& nodes, std::size_t node,
-                               const Use& use) {
-  double x[D], half[D];
-  nodes.place(node, x);
-  for (int d = 0; d < D; ++d) half[d] = nodes.rho[d];
-  cuda::Around<D, double>(cloud, x).in_box(
-      half, std::numeric_limits<double>::max(), [&](std::uint32_t place, double) {
-        std::array<double, D> xi{};
-        for (std::size_t d = 0; d < D; ++d)
-          xi[d] = (cloud.x[std::size_t{place} * D + d] - x[d]) / nodes.rho[d];
-        if (nodes.weight_at(xi) > 0) use(place);
-      });
-}
-
 // How many particles have a weight at the points of a list.
 template <int D>
 struct CountWeighted {
@@ -77,13 +60,10 @@ struct CountWeighted {
   const std::uint32_t* list;
   RECON_DEVICE std::uint32_t operator()(std::size_t i) const {
     std::uint32_t count = 0;
-    for_weighted<D>(cloud, nodes, list[i], [&](std::uint32_t) { ++count; });
+    double x[D];
+    nodes.place(list[i], x);
+    cuda::for_weighted(cloud, nodes, x, [&](const auto&, double, std::uint32_t) { ++count; });
     return count;
-  }
-};
-struct More {
-  RECON_DEVICE std::uint32_t operator()(std::uint32_t a, std::uint32_t b) const {
-    return a < b ? b : a;
   }
 };
 
@@ -126,9 +106,10 @@ struct FitByParticles {
   RECON_DEVICE void fit(std::size_t node, Stencil<double, D, Given>& stencil, Solve& solve,
                         double* phi, std::uint32_t* found) const {
     int n = 0;
-    for_weighted<D>(cloud, nodes, node, [&](std::uint32_t place) { found[n++] = place; });
     double here[D];
     nodes.place(node, here);
+    cuda::for_weighted(cloud, nodes, here,
+                       [&](const auto&, double, std::uint32_t place) { found[n++] = place; });
     std::array<double, D> x{};
     for (std::size_t d = 0; d < D; ++d) x[d] = here[d] / nodes.rho[d];
     stencil.start(x, 1.0, n);
@@ -203,7 +184,8 @@ class GridFitOn {
     run.for_each(moments_.nodes(), cuda::Select{unsafe_.data(), unsafe_at_.data(), list_.data()});
     using Count = CountWeighted<D>;
     const std::uint32_t* const longest = cuda::fold<std::uint32_t>(
-        run, longest_, unsafe, Count{sources_->view(), moments_.weights(), list_.data()}, More{});
+        run, longest_, unsafe, Count{sources_->view(), moments_.weights(), list_.data()},
+        cuda::Larger{});
     std::uint32_t most = 0;
     run.to_host(longest, &most, 1);
     using Fit = FitByParticles<D>;

@@ -58,9 +58,32 @@ struct GridNumbers {
           number * (static_cast<std::size_t>(cells_[d]) + 1) + static_cast<std::size_t>(index[d]);
     return number;
   }
-  constexpr void node_index(std::size_t number, int* index) const {
+  constexpr void cell_index(std::size_t number, int* index) const { index_of(number, 0, index); }
+  constexpr void node_index(std::size_t number, int* index) const { index_of(number, 1, index); }
+  constexpr double cell_volume() const {
+    double volume = 1;
+    for (int d = 0; d < D; ++d) volume *= h_;
+    return volume;
+  }
+  // Calls use(cell, its number) for the cells from `below` before the one with this index to `above`
+  // behind it along each axis, as far as there are some.
+  template <class Use>
+  constexpr void for_cells_around(const int* index, int below, int above, const Use& use) const {
+    int from[3] = {0, 0, 0}, to[3] = {0, 0, 0}, cell[3] = {0, 0, 0};
     for (int d = 0; d < D; ++d) {
-      const std::size_t count = static_cast<std::size_t>(cells_[d]) + 1;
+      from[d] = index[d] - below < 0 ? 0 : index[d] - below;
+      to[d] = index[d] + above < cells_[d] ? index[d] + above : cells_[d] - 1;
+    }
+    for (cell[2] = from[2]; cell[2] <= to[2]; ++cell[2])
+      for (cell[1] = from[1]; cell[1] <= to[1]; ++cell[1])
+        for (cell[0] = from[0]; cell[0] <= to[0]; ++cell[0]) use(cell, cell_number(cell));
+  }
+
+ private:
+  // Of the number of a cell, or of a node, of which there is one more along each axis.
+  constexpr void index_of(std::size_t number, int more, int* index) const {
+    for (int d = 0; d < D; ++d) {
+      const auto count = static_cast<std::size_t>(cells_[d] + more);
       index[d] = static_cast<int>(number % count);
       number /= count;
     }

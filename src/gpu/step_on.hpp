@@ -179,7 +179,8 @@ class StepOn final : public DeviceStep<D> {
     sum_to_nodes(functions);
     if (with_fits() || over_cells()) sources_->update(points());
     if (over_cells()) sum_over_cells();
-    heaviest_at_ = cuda::fold<double>(run, heaviest_, count, SizeOfMass{mass_.data()}, Larger{});
+    heaviest_at_ =
+        cuda::fold<double>(run, heaviest_, count, SizeOfMass{mass_.data()}, cuda::Larger{});
     if (over_cells()) watch();
     if (with_fits()) velocities_->fit(particles_.numbers().v);
     MoveNode<D> move{nodes(),

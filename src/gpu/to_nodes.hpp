@@ -121,41 +121,33 @@ struct SumToNodes {
 
   RECON_DEVICE void operator()(std::size_t i) const {
     constexpr int beyond = cells_beyond<Functions>;
-    int index[D], from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+    int index[D];
     grid.node_index(i, index);
-    for (int d = 0; d < D; ++d) {
-      from[d] = most_of(index[d] - 1 - beyond, 0);
-      to[d] = least_of(index[d] + beyond, grid.cells(d) - 1);
-    }
     double mass = 0, stiffness = 0, momentum[D], force[D];
     for (int d = 0; d < D; ++d) momentum[d] = force[d] = 0;
-    int cell[3];
-    for (cell[2] = from[2]; cell[2] <= to[2]; ++cell[2])
-      for (cell[1] = from[1]; cell[1] <= to[1]; ++cell[1])
-        for (cell[0] = from[0]; cell[0] <= to[0]; ++cell[0]) {
-          const std::size_t c = grid.cell_number(cell);
-          for (std::uint32_t place = first[c]; place < first[c + 1]; ++place) {
-            const GivenByPoint<D>& one = given[place];
-            const AxesAt<D, Functions> at(functions, grid, one.x);
-            int k[D];
-            bool sees = true;
-            for (int d = 0; d < D; ++d) {
-              k[d] = index[d] - at.axis[d].first;
-              sees = sees && k[d] >= 0 && k[d] < at.axis[d].count;
-            }
-            if (!sees) continue;
-            double G[D], length2 = 0;
-            const double S = at.product(k, G);
-            mass += S * one.mass;
-            for (int d = 0; d < D; ++d) {
-              momentum[d] += S * one.momentum[d];
-              for (int e = 0; e < D; ++e) force[d] += one.pull[e * D + d] * G[e];
-              length2 += G[d] * G[d];
-            }
-            stiffness += one.stiffness * length2;
-            if (slopes != nullptr) add_slope(slopes[place], at, k, S, one.x, momentum);
-          }
+    grid.for_cells_around(index, 1 + beyond, beyond, [&](const int*, std::size_t c) {
+      for (std::uint32_t place = first[c]; place < first[c + 1]; ++place) {
+        const GivenByPoint<D>& one = given[place];
+        const AxesAt<D, Functions> at(functions, grid, one.x);
+        int k[D];
+        bool sees = true;
+        for (int d = 0; d < D; ++d) {
+          k[d] = index[d] - at.axis[d].first;
+          sees = sees && k[d] >= 0 && k[d] < at.axis[d].count;
         }
+        if (!sees) continue;
+        double G[D], length2 = 0;
+        const double S = at.product(k, G);
+        mass += S * one.mass;
+        for (int d = 0; d < D; ++d) {
+          momentum[d] += S * one.momentum[d];
+          for (int e = 0; e < D; ++e) force[d] += one.pull[e * D + d] * G[e];
+          length2 += G[d] * G[d];
+        }
+        stiffness += one.stiffness * length2;
+        if (slopes != nullptr) add_slope(slopes[place], at, k, S, one.x, momentum);
+      }
+    });
     nodes.mass[i] = mass;
     for (int d = 0; d < D; ++d) {
       nodes.momentum[i * D + d] = momentum[d];
@@ -181,10 +173,6 @@ struct SizeOfMass {
   const double* mass;
   RECON_DEVICE double operator()(std::size_t i) const { return magnitude(mass[i]); }
 };
-struct Larger {
-  RECON_DEVICE double operator()(double a, double b) const { return a < b ? b : a; }
-};
-
 // v_i and a_i, before boundaries.
 template <int D>
 struct MoveNode {

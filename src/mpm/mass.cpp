@@ -81,12 +81,12 @@ void MassPolicy<D>::watch(std::int64_t step, Nodes<D>& nodes, MassSigns& signs) 
   const Method& method = this->problem_.method;
   const bool elements = is_element(method.basis);
   if (!elements && method.quadrature == Quadrature::particles) return;
-  const double lightest = lightest_node * nodes.heaviest();
+  const double heaviest = nodes.heaviest();
   const bool first = signs.of_nodes.empty();
   signs.of_nodes.resize(nodes.mass.size());
   for (std::size_t i = 0; i < nodes.mass.size(); ++i) {
     const double mass = nodes.is_known(i) ? nodes.mass[i] : 0;
-    const auto sign = static_cast<signed char>(mass > lightest ? 1 : mass < -lightest ? -1 : 0);
+    const auto sign = static_cast<signed char>(sign_of_mass(mass, heaviest));
     const auto found = [&] {
       return NegativeMass{step, nodes.number_in(this->problem_.grid, i), mass};
     };

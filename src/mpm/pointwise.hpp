@@ -32,6 +32,12 @@ constexpr void move_node(double mass, const double* momentum, const double* forc
   }
 }
 
+// -1, 0 or 1: of masses that are more than next to nothing.
+constexpr int sign_of_mass(double mass, double heaviest) {
+  const double lightest = lightest_node * heaviest;
+  return mass > lightest ? 1 : mass < -lightest ? -1 : 0;
+}
+
 // What damping adds to a component of the acceleration a of a node that was mapped to have the
 // velocity v.
 constexpr double damping_of(const Damping& damping, double v, double a) {

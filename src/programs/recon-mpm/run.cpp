@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct RunCommand {
   ProblemOptions problem;
-  std::string out, restart, picture, device;
+  std::string out, restart, device;
   bool overwrite = false, quiet = false, json = false;
 };
 

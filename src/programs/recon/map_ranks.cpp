@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -229,10 +228,6 @@ void map_on_ranks(const MapOptions& options, const Method& method, const Launch&
   ranks.together([&] { check_weight_by(options.fit, particles); });
   FieldPlan plan;
   ranks.together([&] { plan = plan_fields(particles, options.fields, options.components); });
-  // A column may be text in one part of the file alone.
-  std::string names;
-  for (const PlannedField& field : plan) names += field.name + "\n" + enumeration(field.columns);
-  const auto hash = static_cast<double>(std::hash<std::string>{}(names) >> 12);
   FitOptions fit;
   StructuredGrid<double> grid;
   ranks.together([&] {
@@ -244,13 +239,6 @@ void map_on_ranks(const MapOptions& options, const Method& method, const Launch&
     if (!std::is_sorted(particles.letters.begin(), particles.letters.end()) ||
         !std::string("xyz").starts_with(particles.letters))
       fail_usage("coordinates other than x, x,y or x,y,z are for one process");
-  });
-  const bool same = ranks.least(hash) == ranks.greatest(hash);
-  ranks.together([&] {
-    if (!same)
-      fail_input(
-          "columns of the file hold text in a part of it: name those that are wanted with "
-          "--fields");
   });
 
   const std::size_t read_here = particles.size();
