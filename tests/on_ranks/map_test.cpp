@@ -2,20 +2,15 @@
 #include <functional>
 #include <map>
 
-#include "programs/run_program.hpp"
+#include "on_ranks/mpirun.hpp"
 
 namespace recon::test {
 namespace {
 
 using testing::HasSubstr;
 
-class MapOnRanks : public ProgramTest {
+class MapOnRanks : public OnRanksTest {
  protected:
-  Outcome on(int ranks, const std::string& arguments) const {
-    return shell("exec env " RECON_MPIRUN " " + std::to_string(ranks) + " '" + program() + "' " +
-                 arguments);
-  }
-
   // A value of each column at each node.
   using Nodes = std::map<std::vector<double>, std::vector<double>>;
   static void add(const ParticleTable& table, Nodes& nodes) {
@@ -134,22 +129,18 @@ TEST_F(MapOnRanks, AllPiecesAreWrittenOrNone) {
 TEST_F(MapOnRanks, AllSeeTheSameFileAndFolder) {
   std::filesystem::create_directory(folder() / "0");
   std::filesystem::create_directory(folder() / "1");
-  const auto each = [&](const std::string& out) {
-    return shell(
-        "exec env " RECON_MPIRUN " 2 sh -c 'cd $OMPI_COMM_WORLD_RANK && exec \"" + program() +
-        "\" map a.csv --fields v --spacing 4 --radius 3 --max-distance none --quiet --out " + out +
-        "'");
+  const auto map_to = [&](const std::string& out) {
+    return each_in_its_folder(
+        "map a.csv --fields v --spacing 4 --radius 3 --max-distance none --quiet --out " + out);
   };
-  if (shell("exec env " RECON_MPIRUN " 1 sh -c 'test -n \"$OMPI_COMM_WORLD_RANK\"'").code != 0)
-    GTEST_SKIP() << "this mpirun does not say which rank it starts as OpenMPI does";
   for (const char* name : {"0/a.csv", "1/a.csv"})
     write_rows(name, [&](int i) { return place(i) + ",7," + std::string(name, 1); });
-  Outcome outcome = each("../v.pvti");
+  Outcome outcome = map_to("../v.pvti");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("recon: a.csv: is another file for some ranks"));
   write("1/a.csv", read("0/a.csv"));
-  EXPECT_EQ(each("../v.pvti").code, 0);
-  outcome = each("v.pvti");
+  EXPECT_EQ(map_to("../v.pvti").code, 0);
+  outcome = map_to("v.pvti");
   EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("v.pvti: of 2 pieces 1 are beside it"));
   for (const char* name : {"0/v.pvti", "0/v_0.vti", "0/v_0.vti.part", "1/v_1.vti"})

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <set>
 
-#include "programs/run_program.hpp"
+#include "on_ranks/mpirun.hpp"
 
 namespace recon::test {
 namespace {
@@ -103,19 +103,13 @@ end = 1
 frames = 1
 )TOML";
 
-class OnRanks : public ProgramTest {
+class OnRanks : public OnRanksTest {
  protected:
-  OnRanks() : ProgramTest("recon-mpm", RECON_MPM_PROGRAM) {
+  OnRanks() : OnRanksTest("recon-mpm", RECON_MPM_PROGRAM) {
     write("hanging.toml", hanging);
     write("still.toml", still);
   }
 
-  static std::string mpirun(int ranks) {
-    return std::string("exec env " RECON_MPIRUN " ") + std::to_string(ranks) + " ";
-  }
-  Outcome on(int ranks, const std::string& arguments) const {
-    return shell(mpirun(ranks) + "'" + program() + "' " + arguments);
-  }
   std::string succeed_on(int ranks, const std::string& arguments) const {
     const Outcome outcome = on(ranks, arguments);
     EXPECT_EQ(outcome.code, 0) << ranks << " ranks: " << arguments << "\n" << outcome.err;
@@ -447,23 +441,14 @@ TEST_F(OnRanks, MistakesAreSaidOnce) {
 }
 
 // Each rank has a command or a file of its own.
-class RanksThatDiffer : public OnRanks {
- protected:
-  void SetUp() override {
-    if (shell(mpirun(1) + "sh -c 'test -n \"$OMPI_COMM_WORLD_RANK\"'").code != 0)
-      GTEST_SKIP() << "this mpirun does not say which rank it starts as OpenMPI does";
-  }
-  Outcome each(const std::string& first, const std::string& second) const {
-    return shell(mpirun(2) + "sh -c 'if [ $OMPI_COMM_WORLD_RANK = 0 ]; then exec \"" + program() +
-                 "\" " + first + "; else exec \"" + program() + "\" " + second + "; fi'");
-  }
-};
+using RanksThatDiffer = OnRanks;
 
 TEST_F(RanksThatDiffer, NoneWaitsForOneWithAnotherCommand) {
   const std::string right = "run still.toml --quiet --out out";
   const auto expect = [&](const std::string& first, const std::string& second,
                           const testing::Matcher<const std::string&>& message) {
-    const Outcome outcome = each(first, second);
+    const std::string quoted = "'" + program() + "' ";
+    const Outcome outcome = each(quoted + first, quoted + second);
     EXPECT_EQ(outcome.code, 1) << first << ", " << second << "\n" << outcome.err;
     EXPECT_THAT(said(outcome), message) << first << ", " << second;
     EXPECT_FALSE(exists("out")) << first << ", " << second;
@@ -483,13 +468,12 @@ TEST_F(RanksThatDiffer, WhatOneRankReadsIsWhatAllRead) {
   std::filesystem::create_directory(folder() / "0");
   std::filesystem::create_directory(folder() / "1");
   write("0/p.toml", hanging);
-  const std::string run_own = mpirun(2) + "sh -c \"cd \\$OMPI_COMM_WORLD_RANK; exec '" + program() +
-                              "' run p.toml --out ../out\"";
-  const Outcome missing = shell(run_own);
+  const std::string run_own = "run p.toml --out ../out";
+  const Outcome missing = each_in_its_folder(run_own);
   EXPECT_EQ(missing.code, 2);
   EXPECT_THAT(said(missing), AllOf(HasSubstr("rank 1: "), HasSubstr("p.toml: no such file")));
   write("1/p.toml", std::regex_replace(std::string(hanging), std::regex("30 \\* t"), "31 * t"));
-  const Outcome differs = shell(run_own);
+  const Outcome differs = each_in_its_folder(run_own);
   EXPECT_EQ(differs.code, 2);
   EXPECT_THAT(said(differs), HasSubstr("different on some ranks"));
   EXPECT_FALSE(exists("out"));
